@@ -1,5 +1,6 @@
 """The commands that grasping adds to the command line; heavy imports are deferred to a call."""
 
+import math
 from pathlib import Path
 from typing import Annotated, get_args
 
@@ -28,6 +29,15 @@ def grasp_data(  # noqa: PLR0913 - the options of the command line, each a param
     physics: Annotated[
         str, typer.Option(help="Contacts of the lifts: kind, nominal, wet or harsh.")
     ] = "kind",
+    arm_error_m: Annotated[
+        float, typer.Option(help="Largest error of the gripper along each axis [m].")
+    ] = 0.05,
+    arm_error_deg: Annotated[
+        float, typer.Option(help="The same of its attitude about each axis [deg].")
+    ] = 5.0,
+    weights: Annotated[
+        str, typer.Option(help="Network whose first choices are lifted too: name or file.")
+    ] = "",
     workers: Annotated[int, typer.Option(min=1, help="Number of parallel processes.")] = 1,
     scheduler: Annotated[
         str | None,
@@ -45,7 +55,15 @@ def grasp_data(  # noqa: PLR0913 - the options of the command line, each a param
 
     one_of("--physics", physics, get_args(Scenario))
     settings = LabelSettings.model_validate(
-        {"machine": machine, "seed": seed, "grasps_per_stone": grasps, "physics": physics}
+        {
+            "machine": machine,
+            "seed": seed,
+            "grasps_per_stone": grasps,
+            "physics": physics,
+            "arm_error_m": arm_error_m,
+            "arm_error_rad": math.radians(arm_error_deg),
+            "weights": weights,
+        }
     )
     claim(folder, settings)
     missing = [index for index in range(stones) if not stone_file(folder, index).exists()]
@@ -64,13 +82,17 @@ def grasp_data(  # noqa: PLR0913 - the options of the command line, each a param
     raise typer.Exit(status)
 
 
-def grasp_train(
+def grasp_train(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     folder: Annotated[Path, typer.Argument(help="Folder of labels, from grasp-data.")],
     out: Annotated[Path, typer.Argument(help="Weights file to write (.safetensors).")],
     architecture: Annotated[
         str, typer.Option(help="two_stream, or four_layer (the paper's).")
     ] = "two_stream",
     epochs: Annotated[int, typer.Option(min=1, help="Passes over the labels.")] = 12,
+    start: Annotated[
+        str, typer.Option(help="Weights to go on from: name or file; new ones by default.")
+    ] = "",
+    rate: Annotated[float, typer.Option(help="Largest learning rate.")] = 1e-3,
     test: Annotated[
         Path | None, typer.Option(help="Labels of other stones, for a final test.")
     ] = None,
@@ -90,7 +112,13 @@ def grasp_train(
     from executive_plugins.grasping.learning.training import Progress, TrainingSettings
 
     settings = TrainingSettings.model_validate(
-        {"architecture": architecture, "epochs": epochs, "seed": seed}
+        {
+            "architecture": architecture,
+            "start": start,
+            "epochs": epochs,
+            "rate": rate,
+            "seed": seed,
+        }
     )
 
     def say_progress(progress: Progress) -> None:

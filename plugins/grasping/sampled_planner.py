@@ -33,7 +33,7 @@ _FEW_POINTS = 20  # with fewer points the shape of a stone is unknown
 # Stop simulating once this many grasps are firm: one for each attempt of a mission that tries a
 # stone three times, and one whose path is blocked.
 _ENOUGH = 4
-_SPREAD_M, _SPREAD_RAD = 0.10, np.radians(20.0)
+SPREAD_M, SPREAD_RAD = 0.10, np.radians(20.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,7 +235,7 @@ class SampledPlanner(GraspPlanner):
         gripper, scale, up = self._machine.gripper, self._settings.scale, scene.ground.normal
         approach_m, room_m = scale * self._settings.approach_m, scale * _ROOM_IN_CLOUD_M
         approach, fcl_check = ApproachPath(gripper, scale), FclCheck(gripper, room_m)
-        for i in spread(order, pool.R, pool.position, scale * _SPREAD_M, _SPREAD_RAD):
+        for i in spread(order, pool.R, pool.position, scale * SPREAD_M, SPREAD_RAD):
             T_plan_gripper = pose(pool.R[i], pool.position[i])
             T_map_gripper = self._arm.reached(
                 scene.T_map_plan @ T_plan_gripper, T_map_base, approach_m

@@ -14,7 +14,7 @@ from executive_plugins.grasping.learning.labels import (
 from executive.config import Settings
 from executive.interfaces.work import Piece, Work
 
-_MACHINE = "machine"
+_MACHINE, _WEIGHTS = "machine", "weights"
 
 
 class GraspLabels(Work):
@@ -24,9 +24,12 @@ class GraspLabels(Work):
     keeps: ClassVar[tuple[str, ...]] = ("stone_*.npz",)
 
     def inputs(self, arguments: Settings) -> Mapping[str, Path]:
-        """Return the folder of a machine that no installed package brings."""
-        folder = Path(_settings(arguments).machine)
-        return {_MACHINE: folder.resolve()} if folder.is_dir() else {}
+        """Return the folder of a machine, and the weights, that no installed package brings."""
+        settings = _settings(arguments)
+        folder, weights = Path(settings.machine), Path(settings.weights)
+        brought = {_MACHINE: folder} if folder.is_dir() else {}
+        brought |= {_WEIGHTS: weights} if weights.is_file() else {}
+        return {name: path.resolve() for name, path in brought.items()}
 
     def prepare(self, arguments: Settings, inputs: Mapping[str, Path]) -> None:
         """Tabulate what grasps are sampled with, which takes a second."""
@@ -44,8 +47,7 @@ def _settings(arguments: Settings) -> LabelSettings:
 
 
 def _brought(arguments: Settings, inputs: Mapping[str, Path]) -> LabelSettings:
-    """Return the settings with the machine's folder on this computer."""
-    settings = _settings(arguments)
-    if _MACHINE not in inputs:
-        return settings
-    return settings.model_copy(update={_MACHINE: str(inputs[_MACHINE])})
+    """Return the settings with the machine's folder and the weights on this computer."""
+    return _settings(arguments).model_copy(
+        update={name: str(inputs[name]) for name in (_MACHINE, _WEIGHTS) if name in inputs}
+    )

@@ -7,20 +7,24 @@ labels can therefore be interrupted, continued and distributed over computers wi
 import json
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from executive_plugins.grasping.classifier.grasp_features import features_of
-from executive_plugins.grasping.learning.lift_trials import LiftTrials
+from executive_plugins.grasping.learning.lift_trials import SHIFT_M, TURN_RAD, LiftTrials
 from executive_plugins.grasping.learning.training_scene import (
     at_rest,
     convex_solid,
     look_at,
     neighbour_place,
 )
+from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.grasping.sampled_planner import SPREAD_M, SPREAD_RAD
+from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
-from executive_plugins.grasping.sampling.ranking import ranked_rounds
+from executive_plugins.grasping.sampling.ranking import ranked_rounds, spread
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.simulated_lift import LIFTED_M
 from executive_plugins.physics.quarried_block import block
@@ -30,7 +34,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from executive.arrays import Float, Int
-from executive.config import Settings
+from executive.config import Meters, Radians, Settings
 from executive.errors import ConfigError, DataError
 from executive.geometry.pose import pose, transform
 from executive.machine.gripper import Gripper
@@ -54,7 +58,8 @@ class LabelSettings(Settings):
         24,
         ge=1,
         le=1000,
-        description="Grasps per stone; half are the paper's first, half are random.",
+        description="Grasps per stone; half are the paper's first, half are random. With `weights` "
+        "a third are the network's first.",
     )
     volume_m3: tuple[float, float] = Field(
         (0.1, 1.1), description="Least and largest volume of a stone [m³]."
@@ -64,6 +69,18 @@ class LabelSettings(Settings):
     )
     physics: Scenario = Field(
         "kind", description="Contacts of the lifts: those of a scenario of the simulator."
+    )
+    arm_error_m: Meters = Field(
+        SHIFT_M, ge=0, le=0.2, description="Largest error of the gripper along each axis [m]."
+    )
+    arm_error_rad: Radians = Field(
+        TURN_RAD, ge=0, le=0.5, description="The same of its attitude about each axis [rad]."
+    )
+    weights: str = Field(
+        "",
+        description="Network whose first choices are lifted too: shipped weights by name, or a "
+        "file; none if empty. What a planner chooses looks better than it is, and labels of such "
+        "grasps teach that.",
     )
 
 
@@ -166,8 +183,13 @@ def label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
     view = look_at(convex_solid(hull), neighbours, rng)
     scene = sampler.scene(view.stone, view.cloud, rng)
     pool = sampler.pool(scene, rng)
-    chosen = chosen_for_lifts(pool, settings.grasps_per_stone, rng)
-    trials = LiftTrials(gripper, hull, settings.physics)
+    by_network = network_first(
+        settings.weights, scene, pool, gripper, settings.grasps_per_stone // 3
+    )
+    chosen = chosen_for_lifts(pool, settings.grasps_per_stone, rng, by_network)
+    trials = LiftTrials(
+        gripper, hull, settings.physics, settings.arm_error_m, settings.arm_error_rad
+    )
     slip_m = [
         trials.lift(scene.T_map_plan @ pose(pool.R[i], pool.position[i]), pool.jaw_rad[i], rng)
         for i in chosen
@@ -199,10 +221,42 @@ def resting_stone(settings: LabelSettings, rng: np.random.Generator) -> Float:
             return np.asarray(corners - middle * (1.0, 1.0, 0.0))
 
 
-def chosen_for_lifts(pool: Pool, most: int, rng: np.random.Generator) -> Int:
-    """Choose grasps of a pool: half are the first in the order of the paper, half are random."""
+@cache
+def _net_of(weights: str) -> Any:
+    """Return a network, loaded once a process; torch is imported only if there is one."""
+    from executive_plugins.grasping.classifier.outcome_net import load_net
+
+    return load_net(weights_file(weights))
+
+
+def network_first(
+    weights: str, scene: PlanningCloud, pool: Pool, gripper: Gripper, most: int
+) -> Int:
+    """Return the grasps that a planner with a network tries first, best first; none without one."""
+    if not weights:
+        return np.empty(0, dtype=np.int64)
+    from executive_plugins.grasping.classifier.outcome_net import success
+
+    likely = success(_net_of(weights), features_of(scene, pool, gripper))
+    order = (int(i) for i in np.argsort(-likely, kind="stable"))
+    tried = spread(order, pool.R, pool.position, SPREAD_M, SPREAD_RAD)
+    return np.array(list(islice(tried, most)), dtype=np.int64)
+
+
+def chosen_for_lifts(
+    pool: Pool, most: int, rng: np.random.Generator, by_network: Int | None = None
+) -> Int:
+    """Choose grasps of a pool: half are the first in the order of the paper, half are random.
+
+    A third of `most` is expected of a network; then a third are the paper's first, too.
+    """
     ordered = np.concatenate(
         [*ranked_rounds(pool.costs, _STAGES, "distance_m"), np.empty(0, dtype=np.int64)]
     )
-    first = ordered[: most // 2]
-    return np.concatenate([first, rng.permutation(ordered[len(first) :])[: most - len(first)]])
+    if by_network is None or not len(by_network):
+        first = ordered[: most // 2]
+    else:
+        papers = ordered[~np.isin(ordered, by_network)]
+        first = np.concatenate([by_network, papers[: most // 3]])
+    others = ordered[~np.isin(ordered, first)]
+    return np.concatenate([first, rng.permutation(others)[: most - len(first)]])

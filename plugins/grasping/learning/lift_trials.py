@@ -14,9 +14,9 @@ from executive.machine.gripper import Gripper
 
 _KIND_FRICTION = (0.4, 0.8)  # in `kind`; in another scenario that of its belief
 _DENSITY_KG_M3 = (2300.0, 2900.0)
-# Bounds of the gripper's error along and about each axis. They are wider than those of an arm, so
-# that labels tell robust grasps from narrow ones, whatever arm they are used with.
-_SHIFT_M, _TURN_RAD = 0.05, np.radians(5.0)
+# Bounds of the gripper's error along and about each axis where none are given. They are wider than
+# those of an arm, so that labels tell robust grasps from narrow ones, whatever arm they are for.
+SHIFT_M, TURN_RAD = 0.05, float(np.radians(5.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,15 +37,25 @@ class LiftErrors:
 class LiftTrials:
     """Lifts of one stone at rest, each with its own errors of pose, friction and density."""
 
-    def __init__(self, gripper: Gripper, hull: Float, scenario: Scenario = "kind") -> None:
+    def __init__(
+        self,
+        gripper: Gripper,
+        hull: Float,
+        scenario: Scenario = "kind",
+        shift_m: float = SHIFT_M,
+        turn_rad: float = TURN_RAD,
+    ) -> None:
         """Prepare lifts of one stone.
 
         Args:
             gripper: The gripper.
             hull: Corners of the true hull as the stone rests on the ground [m], shape (V, 3).
             scenario: Whose contacts the lifts have.
+            shift_m: Largest error of the gripper along each axis [m].
+            turn_rad: The same about each axis [rad].
         """
         self._gripper, self._hull = gripper, hull
+        self._shift_m, self._turn_rad = shift_m, turn_rad
         self._contacts = belief_of(
             scenario, gripper, _KIND_FRICTION if scenario == "kind" else None
         )
@@ -64,7 +74,7 @@ class LiftTrials:
 
     def draw(self, rng: np.random.Generator) -> LiftErrors:
         """Draw the errors of one lift."""
-        off = drawn_offset(rng, _SHIFT_M, _TURN_RAD)
+        off = drawn_offset(rng, self._shift_m, self._turn_rad)
         mass_kg = self._volume_m3 * rng.uniform(*_DENSITY_KG_M3)
         contact = self._contacts.contact(float(rng.uniform(*self._contacts.friction)))
         return LiftErrors(off, mass_kg, contact)

@@ -11,10 +11,12 @@ from executive_plugins.grasping.classifier.outcome_net import (
     Architecture,
     FourLayer,
     TwoStream,
+    load_net,
     new_net,
     success,
 )
 from executive_plugins.grasping.learning.labels import GRAY_LEVELS, Labels
+from executive_plugins.grasping.sampled_cnn import weights_file
 from numpy.typing import NDArray
 from pydantic import Field
 from scipy.stats import rankdata
@@ -22,6 +24,7 @@ from torch import Tensor
 
 from executive.arrays import Float
 from executive.config import Settings
+from executive.errors import ConfigError
 
 
 class TrainingSettings(Settings):
@@ -29,6 +32,11 @@ class TrainingSettings(Settings):
 
     architecture: Architecture = Field(
         "two_stream", description="four_layer (the paper's) or two_stream."
+    )
+    start: str = Field(
+        "",
+        description="Weights to go on from: shipped ones by name, or a file; new ones if empty. "
+        "Their architecture and their scale of numbers are kept.",
     )
     seed: int = Field(1, ge=0, description="Seed of all random draws.")
     epochs: int = Field(12, ge=1, le=1000, description="Passes over the labels.")
@@ -73,7 +81,7 @@ def train(
     """
     rng = np.random.default_rng(settings.seed)
     torch.manual_seed(settings.seed)
-    if isinstance(net, TwoStream):
+    if isinstance(net, TwoStream) and not settings.start:
         net.mean.copy_(torch.from_numpy(learned.numbers.mean(axis=0)))
         net.spread.copy_(torch.from_numpy(learned.numbers.std(axis=0) + 1e-6))
     steps = settings.epochs * int(np.ceil(len(learned.is_lifted) / settings.batch))
@@ -116,7 +124,17 @@ def area_under_curve(score: Float, is_positive: NDArray[np.bool_]) -> float:
 
 
 def untrained(settings: TrainingSettings) -> FourLayer | TwoStream:
-    """Return a network whose initial weights follow from the seed."""
+    """Return a network whose initial weights follow from the seed, or are those to go on from.
+
+    Raises:
+        ConfigError: If the weights to go on from have another architecture.
+        DataError: If they cannot be read.
+    """
+    if settings.start:
+        net = load_net(weights_file(settings.start))
+        if type(net) is not type(new_net(settings.architecture)):
+            raise ConfigError(f"{settings.start}: no weights of the {settings.architecture}")
+        return net
     torch.manual_seed(settings.seed)
     return new_net(settings.architecture)
 

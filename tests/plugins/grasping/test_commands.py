@@ -114,12 +114,16 @@ def test_the_count_of_stones_grows_by_each_that_is_done(
     folder.mkdir()
     (folder / "stone_00001.npz").write_bytes(b"there")
     with pytest.raises(typer.Exit) as ended:
-        commands.grasp_data(folder, 4, 6, 9, "m545", "wet", 3, "tcp://here:1")
+        commands.grasp_data(
+            folder, 4, 6, 9, "m545", "wet", 0.02, 1.5, "mine.safetensors", 3, "tcp://here:1"
+        )
     assert ended.value.exit_code == 1
     work, arguments, seeds, where = asked
     assert (work, seeds) == ("grasp_labels", [0, 2, 3])
     wanted = {"machine": "m545", "seed": 9, "grasps_per_stone": 6, "physics": "wet"}
+    wanted |= {"arm_error_m": 0.02, "weights": "mine.safetensors"}
     assert wanted.items() <= arguments.items()
+    assert arguments["arm_error_rad"] == pytest.approx(0.0261799, rel=1e-5)
     assert where == Where(folder / "unfinished", 3, "tcp://here:1")
     told = [part.strip() for part in capsys.readouterr().err.split("\r") if part]
     assert [one.partition("\n")[0] for one in told] == [f"{n} of 4 stones" for n in (1, 2, 3)]
@@ -132,3 +136,17 @@ def test_contacts_that_nobody_knows_are_refused_before_a_folder_is_made(tmp_path
     with pytest.raises(ConfigError, match="--physics"):
         commands.grasp_data(tmp_path / "labels", physics="stormy")
     assert not (tmp_path / "labels").exists()
+
+
+def test_a_training_is_told_where_to_start_and_how_fast(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from executive_plugins.grasping.learning import grasp_training
+
+    asked: list[object] = []
+    monkeypatch.setattr(grasp_training, "train_weights", lambda *given: asked.append(given) or {})
+    out = tmp_path / "out.safetensors"
+    commands.grasp_train(tmp_path, out, start="two_stream", rate=2e-4, epochs=3)
+    folder, to, settings, test, _ = asked[0]
+    assert (folder, to, test) == (tmp_path, out, None)
+    assert (settings.start, settings.rate, settings.epochs) == ("two_stream", 2e-4, 3)

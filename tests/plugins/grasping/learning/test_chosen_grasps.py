@@ -4,10 +4,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.classifier import outcome_net
 from executive_plugins.grasping.learning import labels
 from executive_plugins.grasping.learning.labels import (
     LabelSettings,
     chosen_for_lifts,
+    network_first,
     resting_stone,
 )
 from executive_plugins.grasping.sampling.pool import Pool
@@ -29,6 +31,33 @@ def test_half_of_the_grasps_are_the_first_of_the_paper_and_half_are_random() -> 
     assert all(one[:2] == [11, 10] for one in drawn)
     assert all(len(set(one)) == 5 for one in drawn)
     assert {index for one in drawn for index in one[2:]} == set(range(10))
+
+
+def test_with_a_network_a_third_each_are_its_first_the_papers_first_and_random() -> None:
+    likely = np.array([4, 11])
+    drawn = [
+        chosen_for_lifts(pool(12), 6, np.random.default_rng(k), likely).tolist() for k in range(30)
+    ]
+    assert all(one[:4] == [4, 11, 10, 9] for one in drawn)
+    assert all(len(set(one)) == 6 for one in drawn)
+    assert {index for one in drawn for index in one[4:]} == {0, 1, 2, 3, 5, 6, 7, 8}
+
+
+def test_a_network_chooses_as_a_planner_tries_what_differs_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of four grasps the two likeliest are one place; the planner tries the third before them."""
+    place = np.array([[0.0, 0, 0], [0.01, 0, 0], [0.5, 0, 0], [1.0, 0, 0]])
+    turns = np.repeat(np.eye(3)[None], 4, axis=0)
+    grasps = Pool(turns, place, np.zeros(4), {"distance_m": np.zeros(4)}, Counter())
+    likely = np.array([0.9, 0.8, 0.5, 0.7])
+    monkeypatch.setattr(labels, "_net_of", lambda weights: weights)
+    monkeypatch.setattr(labels, "features_of", lambda scene, taken, gripper: len(taken))
+    monkeypatch.setattr(outcome_net, "success", lambda net, shown: likely if shown == 4 else None)
+    chosen = network_first("mine", None, grasps, None, 3)
+    assert chosen.tolist() == [0, 3, 2]
+    assert network_first("mine", None, grasps, None, 9).tolist() == [0, 3, 2, 1]
+    assert network_first("", None, grasps, None, 3).tolist() == []
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])

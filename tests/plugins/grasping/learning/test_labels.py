@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from executive_plugins.grasping.classifier.grasp_features import NUMBERS
 from executive_plugins.grasping.classifier.grasp_images import CHANNELS, PIXELS
-from executive_plugins.grasping.classifier.outcome_net import load_net
+from executive_plugins.grasping.classifier.outcome_net import load_net, save_net
 from executive_plugins.grasping.learning.grasp_training import train_weights
 from executive_plugins.grasping.learning.label_work import GraspLabels
 from executive_plugins.grasping.learning.labels import (
@@ -71,6 +71,19 @@ def test_a_machine_of_ones_own_is_an_input(tmp_path: Path) -> None:
     own = LabelSettings(machine=str(machine))
     assert GraspLabels().inputs(own) == {"machine": machine}
     assert GraspLabels().inputs(FEW) == {}
+
+
+def test_weights_of_ones_own_are_an_input_and_their_copy_is_read(tmp_path: Path) -> None:
+    mine, copy = tmp_path / "mine.safetensors", tmp_path / "copy.safetensors"
+    save_net(untrained(TrainingSettings()), copy, "{}")
+    mine.write_bytes(b"no weights")  # on another computer nothing is at this path
+    own = LabelSettings(grasps_per_stone=3, weights=str(mine))
+    assert GraspLabels().inputs(own) == {"weights": mine}
+    assert GraspLabels().inputs(LabelSettings(weights="two_stream")) == {}
+    run = tmp_path / "run"
+    run.mkdir()
+    GraspLabels().run(Piece(own, 0, run, {"weights": copy}))
+    assert len(read_labels(run).stone) == 3
 
 
 def test_labels_of_other_settings_do_not_mix(folder: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 import torch
 from executive_plugins.grasping.classifier.grasp_features import NUMBERS
 from executive_plugins.grasping.classifier.grasp_images import CHANNELS, PIXELS, mirrored
-from executive_plugins.grasping.classifier.outcome_net import FourLayer, TwoStream
+from executive_plugins.grasping.classifier.outcome_net import FourLayer, TwoStream, save_net
 from executive_plugins.grasping.learning import grasp_training, training
 from executive_plugins.grasping.learning.grasp_training import train_weights
 from executive_plugins.grasping.learning.label_work import GraspLabels
@@ -24,6 +24,7 @@ from executive_plugins.grasping.learning.training import (
 )
 
 from executive.config import NoSettings
+from executive.errors import ConfigError
 from executive.interfaces.work import Piece
 
 
@@ -132,6 +133,22 @@ def test_initial_weights_follow_from_the_seed() -> None:
         weights = [next(net.parameters()).detach().numpy() for net in (first, again, other)]
         assert np.array_equal(weights[0], weights[1])
         assert not np.array_equal(weights[0], weights[2])
+
+
+def test_a_training_that_goes_on_keeps_weights_and_scale_of_numbers(tmp_path: Path) -> None:
+    learned, path = labels(8), tmp_path / "before.safetensors"
+    before = untrained(TrainingSettings(seed=4))
+    assert isinstance(before, TwoStream)
+    before.mean.fill_(7.0)
+    save_net(before, path, "{}")
+    settings = TrainingSettings(start=str(path), epochs=1, batch=8, rate=1e-9)
+    net = untrained(settings)
+    for name, values in net.state_dict().items():
+        assert np.array_equal(values.numpy(), before.state_dict()[name].numpy()), name
+    list(train(net, learned, learned, settings))
+    assert np.array_equal(net.mean.numpy(), np.full(len(NUMBERS), 7.0, dtype=np.float32))
+    with pytest.raises(ConfigError, match="no weights of the four_layer"):
+        untrained(TrainingSettings(start=str(path), architecture="four_layer"))
 
 
 def test_predictions_are_of_pictures_from_0_to_1() -> None:
