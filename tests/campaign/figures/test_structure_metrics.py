@@ -1,0 +1,142 @@
+"""Each metric of structures on runs that are made up, with the value that its definition gives."""
+
+import math
+from dataclasses import fields
+from typing import Any
+
+import pytest
+
+from executive import registry
+from executive.events.event import Event
+from executive.events.site import BuildingEnded, BuildingPlanned
+from executive.events.stone import PlacementVerified, StoneRealigned, StoneReleased
+from executive.geometry.pose import pose
+from executive.geometry.rotation import from_rpy
+from executive.interfaces.metric import RunRecord, Share, TimedEvent, Values
+from executive.interfaces.report import MissionReport, PickReport, Timing
+from executive.testing.blank import blank
+
+METRICS = "metric"
+PLAN = pose(from_rpy(0.0, 0.0, 0.5), [2.0, 5.0, 0.4])
+
+
+def measured(name: str, events: list[Event], **report: Any) -> Any:
+    timed = [TimedEvent(float(n), event) for n, event in enumerate(events)]
+    made_up = blank(MissionReport, **{"timings_ms": {}, "picks": (), **report})
+    return registry.load(METRICS, name)().measure(RunRecord(made_up, timed))
+
+
+def made(kind: type[Event], **values: Any) -> Event:
+    return kind(**{**{one.name: 0.0 for one in fields(kind)}, **values})
+
+
+def planned(stone: int) -> Event:
+    return made(BuildingPlanned, structure="wall", stone=stone)
+
+
+def released(stone: int) -> Event:
+    return made(StoneReleased, stone=stone, planned_pose=PLAN)
+
+
+def realigned(stone: int, yaw_rad: float, *, accepted: bool = True) -> Event:
+    T = pose(from_rpy(0.0, 0.0, 0.5 + yaw_rad), PLAN[:3, 3])
+    return made(StoneRealigned, stone=stone, accepted=accepted, estimated_pose=T)
+
+
+def seen(
+    stone: int, off_m: float | None, tilt_rad: float | None = 0.0, *, turn_known: bool = True
+) -> Event:
+    how = "unseen" if off_m is None else "placed"
+    looked = {"off_m": off_m, "tilt_rad": tilt_rad, "turn_known": turn_known}
+    return made(PlacementVerified, stone=stone, seen=how, **looked)
+
+
+def ended(reason: str) -> Event:
+    return made(BuildingEnded, structure="wall", reason=reason)
+
+
+def laid(stone: int, off_m: float, yaw_rad: float) -> list[Event]:
+    return [planned(stone), released(stone), realigned(stone, yaw_rad), seen(stone, off_m)]
+
+
+@pytest.mark.parametrize(
+    ("off_m", "yaw_rad", "hits"),
+    [(0.099, 0.0, 1), (0.101, 0.0, 0), (0.0, math.radians(9.9), 1), (0.0, math.radians(10.1), 0)],
+)
+def test_a_stone_is_as_planned_within_10_cm_and_10_degrees(
+    off_m: float, yaw_rad: float, hits: int
+) -> None:
+    assert measured("built_as_planned", laid(1, off_m, yaw_rad)) == Share(hits, 1)
+
+
+def test_each_release_on_a_structure_counts_and_others_do_not() -> None:
+    events = [*laid(1, 0.2, 0.1), *laid(1, 0.04, 0.02), released(7), seen(7, 0.01)]
+    assert measured("built_as_planned", events) == Share(1, 2)
+    assert measured("built_error_m", events) == Values((0.2, 0.04))
+    assert measured("built_error_rad", events).values == pytest.approx((0.1, 0.02))
+
+
+def test_a_stone_that_is_not_seen_again_is_not_as_planned() -> None:
+    events = [planned(1), released(1), seen(1, None, None), planned(2), released(2)]
+    assert measured("built_as_planned", events) == Share(0, 2)
+    assert measured("built_error_m", events) == Values(())
+    assert measured("built_error_rad", events) == Values(())
+
+
+@pytest.mark.parametrize(
+    "look",
+    [[], [realigned(1, 0.5, accepted=False)], [realigned(1, 0.5)]],
+    ids=["another way", "refused", "turn unknown"],
+)
+def test_without_an_aligned_model_the_tilt_alone_is_known(look: list[Event]) -> None:
+    aligned = any(one.accepted for one in look if isinstance(one, StoneRealigned))
+    events = [planned(1), released(1), *look, seen(1, 0.05, 0.03, turn_known=not aligned)]
+    assert measured("built_error_rad", events) == Values((0.03,))
+
+
+def test_a_look_long_after_the_release_does_not_change_what_was_seen_then() -> None:
+    events = [*laid(1, 0.04, 0.02), realigned(1, 0.7), seen(1, 0.9)]
+    assert measured("built_error_m", events) == Values((0.04,))
+    assert measured("built_error_rad", events).values == pytest.approx((0.02,))
+
+
+def test_stones_stand_by_their_newest_relocation() -> None:
+    picks = tuple(
+        blank(PickReport, object=stone, placed=placed)
+        for stone, placed in [(1, True), (2, True), (2, False), (3, False), (3, True), (7, True)]
+    )
+    events = [planned(1), planned(2), planned(3)]
+    assert measured("stones_built", events, picks=picks) == Values((2,))
+
+
+def test_a_structure_without_a_stone_has_none() -> None:
+    assert measured("stones_built", [ended("nothing_fits")]) == Values((0,))
+    assert measured("stones_built", [planned(1)]) == Values((0,))
+
+
+@pytest.mark.parametrize(
+    ("events", "hits"),
+    [
+        ([ended("complete")], 1),
+        ([planned(1), ended("nothing_fits")], 1),
+        ([planned(1), ended("all_too_heavy")], 1),
+        ([planned(1), ended("stale_map")], 0),
+        ([planned(1), ended("out_of_time")], 0),
+        ([planned(1)], 0),
+        ([planned(1), ended("nothing_fits"), planned(2)], 0),
+    ],
+)
+def test_a_structure_ends_when_no_stone_can_be_added(events: list[Event], hits: int) -> None:
+    assert measured("structure_ended", events) == Share(hits, 1)
+
+
+def test_the_planners_time_is_in_seconds() -> None:
+    timings = {"building.propose": Timing(4000.0, 15500.0, 17)}
+    assert measured("building_time", [], timings_ms=timings) == Values((4.0,))
+    assert measured("building_time_p95", [], timings_ms=timings) == Values((15.5,))
+
+
+def test_a_mission_that_builds_nothing_has_no_value() -> None:
+    names = [name for name in registry.names(METRICS) if "buil" in name or "structure" in name]
+    assert len(names) == 7
+    assert {measured(name, [released(1), seen(1, 0.0)]) for name in names} == {None}
