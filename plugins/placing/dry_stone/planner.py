@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -46,6 +47,31 @@ _DOWN = np.array([0.0, 0.0, -1.0])
 _APART_M = 0.25  # of two places of one stone that are worth a check each
 
 
+@dataclass(slots=True)
+class _Search:
+    """The search for one stone.
+
+    Attributes:
+        built: The structure as it stands.
+        usable: All stones that may be used.
+        rng: The only source of chance.
+        may_go_on: Whether there is time.
+        refused: Number of stones and places that were passed over, by reason.
+        checked: Stone and pose of the places that were checked.
+    """
+
+    built: AsBuilt
+    usable: Sequence[SolidStone]
+    rng: np.random.Generator
+    may_go_on: MayGoOn
+    refused: Counter[str]
+    checked: set[tuple[str, bytes]] = field(default_factory=set)
+
+    def unchecked(self, places: Sequence[Place]) -> list[Place]:
+        """Return the places that were not checked yet."""
+        return [one for one in places if _key(one) not in self.checked]
+
+
 class DryStone(StructurePlanner):
     """Propose the next stone by what it would rest on (after Furrer 2017, Johns 2020)."""
 
@@ -80,40 +106,44 @@ class DryStone(StructurePlanner):
         usable = self._usable(inventory, refused)
         if reason := _why_none(inventory, usable, refused):
             return BuildPlan((), reason, dict(refused), self._detail(reason))
-        targets: list[BuildTarget] = []
-        stones, count = self._tried_first(usable, rng), self._settings.generator.stones
-        # One lot of stones after the other: too few candidates look like a full structure.
-        for first in range(0, len(stones), count):
-            lot = stones[first : first + count]
-            ranked = self._ranked(built, lot, usable, rng, may_go_on, refused)
-            targets += self._held(ranked, built, rng, may_go_on, refused)
-            if targets or not may_go_on():
-                break
+        search = _Search(built, usable, rng, may_go_on, refused)
+        stones = self._tried_first(usable, rng)
+        targets = self._first(stones, self._settings.generator.kept, search)
+        if not targets and may_go_on():
+            # Too few candidates look like a full structure: as many a stone as there are checks.
+            targets = self._first(stones, self._settings.check.tries, search)
         if not targets and not may_go_on():
             refused["out_of_time"] += 1
         return _plan(targets, refused, len(usable))
+
+    def _first(
+        self, stones: Sequence[SolidStone], kept: int, search: "_Search"
+    ) -> list[BuildTarget]:
+        """Return the targets of the first lot of stones that has one, by so many places a stone."""
+        targets: list[BuildTarget] = []
+        count = self._settings.generator.stones
+        search.refused.pop("no_place", None)  # counted anew
+        for first in range(0, len(stones), count):
+            targets = self._held(self._ranked(stones[first : first + count], kept, search), search)
+            if targets or not search.may_go_on():
+                break
+        return targets
 
     def _share_done(self, built: AsBuilt) -> float:
         """Return which share of the structure is up to its height."""
         wall = WallTop(built, self._settings.generator.cell)
         return wall.share_up_to(built.structure.height_m - self._settings.level)
 
-    def _held(
-        self,
-        ranked: Sequence[Place],
-        built: AsBuilt,
-        rng: np.random.Generator,
-        may_go_on: MayGoOn,
-        refused: Counter[str],
-    ) -> list[BuildTarget]:
-        """Return the first places that the check holds."""
+    def _held(self, ranked: Sequence[Place], search: "_Search") -> list[BuildTarget]:
+        """Return the first places that the check holds, of those that it has not refused yet."""
         targets: list[BuildTarget] = []
-        for place in ranked[: self._settings.check.tries]:
-            if not may_go_on() or len(targets) >= self._settings.targets:
+        for place in search.unchecked(ranked)[: self._settings.check.tries]:
+            if not search.may_go_on() or len(targets) >= self._settings.targets:
                 break
-            found = self._check.check(place, built, rng, may_go_on)
+            found = self._check.check(place, search.built, search.rng, search.may_go_on)
+            search.checked.add(_key(place))
             if found.refusal:
-                refused[found.refusal] += 1
+                search.refused[found.refusal] += 1
             else:
                 targets.append(self._target(place, found))
         return targets
@@ -141,32 +171,22 @@ class DryStone(StructurePlanner):
             order = np.concatenate([first, order[~np.isin(order, first)]])
         return [usable[n] for n in order]
 
-    def _ranked(
-        self,
-        built: AsBuilt,
-        stones: Sequence[SolidStone],
-        usable: Sequence[SolidStone],
-        rng: np.random.Generator,
-        may_go_on: MayGoOn,
-        refused: Counter[str],
-    ) -> list[Place]:
-        """Return the best places of each stone, best first."""
-        kept: list[Place] = []
-        for places in self._generator.places(built, stones, rng, may_go_on):
+    def _ranked(self, stones: Sequence[SolidStone], kept: int, search: "_Search") -> list[Place]:
+        """Return the best places of each stone, so many of one, best first."""
+        found: list[Place] = []
+        for places in self._generator.places(search.built, stones, search.rng, search.may_go_on):
             if not any(len(one.origins_map) for one in places):
-                refused["no_place"] += 1
-            kept += self._best(places, built, usable)
-        return sorted(kept, key=lambda one: -one.score)
+                search.refused["no_place"] += 1
+            found += self._best(places, kept, search)
+        return sorted(found, key=lambda one: -one.score)
 
-    def _best(
-        self, found: Sequence[Places], built: AsBuilt, stones: Sequence[SolidStone]
-    ) -> list[Place]:
+    def _best(self, found: Sequence[Places], kept: int, search: "_Search") -> list[Place]:
         """Return the best places of one stone that are apart, best first."""
         rows = []
         for number, places in enumerate(found):
-            terms = self._scorer.score(places, built, stones)
+            terms = self._scorer.score(places, search.built, search.usable)
             total = np.sum([np.asarray(term) for term in terms.values()], axis=0)
-            first = np.argsort(-total, kind="stable")[: 4 * self._settings.generator.kept]
+            first = np.argsort(-total, kind="stable")[: 4 * kept]
             rows += [(float(total[n]), number, int(n), terms) for n in first]
         best: list[Place] = []
         for score, number, n, terms in sorted(rows, key=lambda row: -row[0]):
@@ -174,7 +194,7 @@ class DryStone(StructurePlanner):
             if all(_far(at, other.T_map_stone[:3, 3]) for other in best):
                 values = {name: float(term[n]) for name, term in terms.items()}
                 best.append(Place(found[number].stone, pose(found[number].R, at), score, values))
-            if len(best) == self._settings.generator.kept:
+            if len(best) == kept:
                 break
         return best
 
@@ -199,6 +219,10 @@ class DryStone(StructurePlanner):
         if reason == "all_unsuitable":
             return "every stone is too heavy, or a needle or slab by building.slenderest"
         return ""
+
+
+def _key(place: Place) -> tuple[str, bytes]:
+    return place.stone.name, place.T_map_stone.tobytes()
 
 
 def _far(a: Float, b: Float) -> bool:

@@ -7,7 +7,7 @@ import pytest
 from executive_plugins.physics.equilibrium import Touch, largest_load
 from executive_plugins.physics.trial import apart
 from executive_plugins.placing.dry_stone.drops import HEIGHT, OUTSIDE, SHARE, DropRules, drops
-from executive_plugins.placing.dry_stone.parts import part_of
+from executive_plugins.placing.dry_stone.parts import Stability, part_of
 from executive_plugins.placing.dry_stone.planner import DryStone
 from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings, ScorerSettings
@@ -41,6 +41,13 @@ class Highest:
 
     def score(self, places, built, inventory):
         return {"mine": places.origins_map[:, 2]}
+
+
+class WestFirst:
+    """A scorer that ranks places from west to east."""
+
+    def score(self, places, built, inventory):
+        return {"west": -places.origins_map[:, 0]}
 
 
 def test_a_box_over_two_boxes_rests_on_both() -> None:
@@ -141,6 +148,31 @@ def test_a_scorer_from_outside_changes_the_choice() -> None:
 def test_what_cannot_be_used_is_refused_with_its_reason(stones, settings, reason) -> None:
     plan = planner(**settings).propose(bare(), stones, rng())
     assert (plan.targets, plan.reason) == ((), reason)
+
+
+class OnlyAtTheEnd:
+    """A check that refuses every place but those at one end of the wall, and notes what it saw."""
+
+    def __init__(self) -> None:
+        self.seen: list[bytes] = []
+
+    def check(self, place, built, rng, may_go_on):
+        self.seen.append(place.T_map_stone.tobytes())
+        holds = place.T_map_stone[0, 3] > 0.9
+        return Stability("" if holds else "slides_away", place.T_map_stone, 0.0, 0.0, {})
+
+
+def test_more_places_are_tried_before_nothing_fits() -> None:
+    """The best five of the one stone that is left all slide; one that is ranked lower holds."""
+    built = first_course()
+    (stone,) = boxes()[:1]
+    chosen = planner()
+    chosen._scorer, chosen._check = WestFirst(), (check := OnlyAtTheEnd())
+    plan = chosen.propose(built, (stone,), rng())
+    assert plan.reason is None
+    assert plan.targets[0].T_map_settled[0, 3] > 0.9
+    assert plan.refused == {"slides_away": len(check.seen) - 1}
+    assert len(check.seen) == len(set(check.seen)) > 5  # none of them twice
 
 
 def test_no_time_is_told() -> None:
