@@ -1,0 +1,56 @@
+"""The trees of `build_wall`, without a machine: what follows when an attempt fails."""
+
+import sys
+
+import pytest
+
+from executive.commands.main import main
+
+MOCKS = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: []}}
+    - %s
+  CloseGripper: [failure, success]
+  ForgetPlace: success
+  DetectSlip: success
+  VerifyPlacement: success
+  SetAside: success
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+AGAIN = "{outputs: {stone: 3, free_slots: []}}"
+NO_PLACE = "{status: failure, reason: nothing_fits}"
+
+
+@pytest.mark.parametrize(
+    ("second_plan", "ends"),
+    [
+        # It is looked for, planned anew, and grasped anew.
+        (AGAIN, "FindAgain: [success], PlanBuilding: [success, success], "
+                "PlanGrasp: [success, success], PlanPick: [success, success]"),
+        # Without a place for it, it is not taken to the one that was planned before.
+        (NO_PLACE, "PlanGrasp: [success], SetAside: [success]"),
+    ],
+    ids=["another place", "no other place"],
+)  # fmt: skip
+def test_jaws_that_close_on_nothing_are_followed_by_a_look_and_a_new_plan(
+    monkeypatch: pytest.MonkeyPatch, tmp_path, second_plan: str, ends: str
+) -> None:
+    mocks = tmp_path / "mocks.yaml"
+    mocks.write_text(MOCKS % (second_plan, ends))
+    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
+    monkeypatch.setattr(sys, "argv", ["executive", *words])
+    assert exit_status() == 0
+
+
+def exit_status() -> int:
+    try:
+        main()
+    except SystemExit as end:
+        return int(end.code or 0)
+    return 0
