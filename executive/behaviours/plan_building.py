@@ -99,7 +99,8 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             self.context.rng(),
         )
         if not plan.targets and for_stone is not None:
-            return failed(f"stone {for_stone} has no other place: {plan.reason}")
+            told = f"stone {for_stone} has no other place: {plan.reason}"
+            return failed(told, is_final=True)  # or nobody knows where it is: it is not attempted
         if not plan.targets:
             told = plan.detail or "no place holds any stone"
             return self._over(structure, str(plan.reason), told, standing, plan.refused)

@@ -117,6 +117,7 @@ def test_one_stone_without_a_place_does_not_end_the_structure(stage, database):
     stand, planner = on_stage(stage, database, NOTHING)
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
     assert (ended.status, ended.outputs, ended.events) == ("FAILURE", {}, [])
+    assert ended.is_final
     assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
 
 

@@ -13,6 +13,7 @@ mocks:
   PlanBuilding:
     - {outputs: {stone: 3, free_slots: []}}
     - %s
+    - {status: failure, outputs: {ending: complete}}
   CloseGripper: [failure, success]
   ForgetPlace: success
   DetectSlip: success
@@ -24,17 +25,17 @@ expect:
   ends: {%s}
 """
 AGAIN = "{outputs: {stone: 3, free_slots: []}}"
-NO_PLACE = "{status: failure, reason: nothing_fits}"
+NO_PLACE = "{status: failure, reason: nothing_fits, final: true}"
 
 
 @pytest.mark.parametrize(
     ("second_plan", "ends"),
     [
         # It is looked for, planned anew, and grasped anew.
-        (AGAIN, "FindAgain: [success], PlanBuilding: [success, success], "
+        (AGAIN, "FindAgain: [success], PlanBuilding: [success, success, failure], "
                 "PlanGrasp: [success, success], PlanPick: [success, success]"),
         # Without a place for it, it is not taken to the one that was planned before.
-        (NO_PLACE, "PlanGrasp: [success], SetAside: [success]"),
+        (NO_PLACE, "PlanGrasp: [success], SetAside: [success], FindAgain: [success]"),
     ],
     ids=["another place", "no other place"],
 )  # fmt: skip
@@ -43,6 +44,33 @@ def test_jaws_that_close_on_nothing_are_followed_by_a_look_and_a_new_plan(
 ) -> None:
     mocks = tmp_path / "mocks.yaml"
     mocks.write_text(MOCKS % (second_plan, ends))
+    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
+    monkeypatch.setattr(sys, "argv", ["executive", *words])
+    assert exit_status() == 0
+
+
+OVER = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding: {status: failure, outputs: {ending: %s}}
+  NoStoneMatches: failure
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {FindLost: [%s], PlanBuilding: [%s]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("ending", "looks", "plans"),
+    [("all_too_heavy", "success", "failure, failure"), ("complete", "", "failure")],
+)
+def test_before_it_ends_lost_stones_are_looked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path, ending: str, looks: str, plans: str
+) -> None:
+    mocks = tmp_path / "mocks.yaml"
+    mocks.write_text(OVER % (ending, looks, plans))
     words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
     monkeypatch.setattr(sys, "argv", ["executive", *words])
     assert exit_status() == 0
