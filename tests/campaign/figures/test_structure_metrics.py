@@ -14,6 +14,7 @@ from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.metric import RunRecord, Share, TimedEvent, Values
 from executive.interfaces.report import MissionReport, PickReport, Timing
+from executive.interfaces.truth import TrueStone, Truth
 from executive.testing.blank import blank
 
 METRICS = "metric"
@@ -109,6 +110,22 @@ def test_stones_stand_by_their_newest_relocation() -> None:
     assert measured("stones_built", events, picks=picks) == Values((2,))
 
 
+def test_of_the_stones_that_stand_the_true_error_counts() -> None:
+    picks = tuple(
+        blank(PickReport, object=stone, placed=placed)
+        for stone, placed in [(1, True), (2, False), (3, True), (7, True)]
+    )
+    errors = {1: 0.02, 2: 0.5, 3: None, 7: 0.6}
+    true = tuple(
+        blank(TrueStone, id=10 + stone, held_object=stone, database_error_m=error)
+        for stone, error in errors.items()
+    )
+    events = [planned(1), planned(2), planned(3)]
+    truth = blank(Truth, stones=true)
+    assert measured("standing_error_m", events, picks=picks, truth=truth) == Values((0.02,))
+    assert measured("standing_error_m", events, picks=picks, truth=None) is None
+
+
 def test_a_structure_without_a_stone_has_none() -> None:
     assert measured("stones_built", [ended("nothing_fits")]) == Values((0,))
     assert measured("stones_built", [planned(1)]) == Values((0,))
@@ -137,6 +154,9 @@ def test_the_planners_time_is_in_seconds() -> None:
 
 
 def test_a_mission_that_builds_nothing_has_no_value() -> None:
-    names = [name for name in registry.names(METRICS) if "buil" in name or "structure" in name]
-    assert len(names) == 7
+    homes = {
+        name: type(registry.load(METRICS, name)()).__module__ for name in registry.names(METRICS)
+    }
+    names = [name for name, home in homes.items() if home.endswith(".structures")]
+    assert len(names) == 8
     assert {measured(name, [released(1), seen(1, 0.0)]) for name in names} == {None}

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from executive.arrays import Float
+from executive.campaign.figures.metrics.report import stones
 from executive.events.site import BuildingEnded, BuildingPlanned
 from executive.events.stone import PlacementVerified, StoneRealigned, StoneReleased
 from executive.geometry.rotation import angle_between
@@ -52,13 +53,28 @@ class StonesBuilt(Metric):
     )
 
     def measure(self, run: RunRecord) -> Values | None:
-        of_structures = [one.event for one in run.events
-                         if isinstance(one.event, BuildingPlanned | BuildingEnded)]  # fmt: skip
-        if not of_structures:
+        standing = _standing(run)
+        return None if standing is None else Values((len(standing),))
+
+
+class StandingError(Metric):
+    """Distance of each stone of a structure from where it is known to stand."""
+
+    title = "position error of stones of a structure"
+    unit = "m"
+    is_more_better = False
+    description = (
+        "Distance of the pose in the object database at the end from the true one, of each stone"
+        " that stands in a structure (`stones_built`). What a later stone has pushed unnoticed is"
+        " off by so much."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        standing = _standing(run)
+        if standing is None or run.report.truth is None:
             return None
-        planned = {one.stone for one in of_structures if isinstance(one, BuildingPlanned)}
-        newest = {pick.object: pick for pick in run.report.picks if pick.object in planned}
-        return Values((sum(pick.placed for pick in newest.values()),))
+        errors = (one.database_error_m for one in stones(run) if one.held_object in standing)
+        return Values(tuple(error for error in errors if error is not None))
 
 
 class BuiltAsPlanned(Metric):
@@ -159,6 +175,17 @@ class BuildingTimeP95(Metric):
     def measure(self, run: RunRecord) -> Values | None:
         timing = run.report.timings_ms.get(_TIMING)
         return None if timing is None else Values((timing.p95 / 1000,))
+
+
+def _standing(run: RunRecord) -> frozenset[int] | None:
+    """Return the ids of the stones that stand in structures; None without any structure."""
+    of_structures = [one.event for one in run.events
+                     if isinstance(one.event, BuildingPlanned | BuildingEnded)]  # fmt: skip
+    if not of_structures:
+        return None
+    planned = {one.stone for one in of_structures if isinstance(one, BuildingPlanned)}
+    newest = {pick.object: pick for pick in run.report.picks if pick.object in planned}
+    return frozenset(number for number, pick in newest.items() if pick.placed)
 
 
 def _releases(run: RunRecord) -> Sequence[_Release]:
