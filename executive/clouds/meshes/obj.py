@@ -22,7 +22,7 @@ def read_obj(path: Path) -> tuple[Float, Int]:
     vertices, faces = array("f"), TriangleCollector()
     with path.open("rb") as file:
         for number, line in enumerate(file, 1):
-            words = line.split()
+            words = line.partition(b"#")[0].split()
             try:
                 if words[:1] == [b"v"]:
                     x, y, z = (float(word) for word in words[1:4])
@@ -36,7 +36,7 @@ def read_obj(path: Path) -> tuple[Float, Int]:
 
 def _corners(words: list[bytes], vertices: int) -> list[int]:
     """Return indices from 0; in the file they count from 1, or backwards from -1."""
-    written = [int(word.split(b"/", 1)[0]) for word in words if not word.startswith(b"#")]
+    written = [int(word.split(b"/", 1)[0]) for word in words]
     corners = [vertices + one if one < 0 else one - 1 for one in written]
     if any(one < 0 for one in corners):
         raise MeshDamageError(f"a face names a vertex before the first: {min(written)}")

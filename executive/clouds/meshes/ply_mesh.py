@@ -67,7 +67,7 @@ def _faces(file: IO[bytes], layout: PlyLayout, element: PlyElement) -> Int:
         raise MeshDamageError(f"its faces have no list '{_CORNERS[0]}' of whole numbers")
     if layout.order and element.count:
         corners = _alike(file, layout, element, name)
-        if corners is not None and corners.shape[1] >= 3:
+        if corners is not None:
             return fans(corners)
     collector = TriangleCollector()
     for lists in _rows(file, layout, element):
@@ -76,10 +76,12 @@ def _faces(file: IO[bytes], layout: PlyLayout, element: PlyElement) -> Int:
 
 
 def _alike(file: IO[bytes], layout: PlyLayout, element: PlyElement, name: str) -> np.ndarray | None:
-    """Return the lists of rows that are all as long as the first; None if some are not."""
+    """Return the lists of rows if all are as long as the first, and that is a polygon; or None."""
     start = file.tell()
     lengths = {one: len(items) for one, items in _row(file, layout, element).items()}
     file.seek(start)
+    if lengths[name] < 3:
+        return None
     row: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
     for field, code in element.fields:
         if field in lengths:
