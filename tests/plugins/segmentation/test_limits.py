@@ -31,7 +31,10 @@ def test_grids_grow_with_the_spacing_and_never_shrink_below_what_is_set() -> Non
     settings = GroundAndClustersSettings()
     near, far = limits_for(settings, SIZES, 0.01), limits_for(settings, SIZES, 0.14)
     assert near == limits_for(settings, SIZES)
-    assert far.voxel_m == pytest.approx(2 * near.voxel_m)
+    for grid in ("voxel_m", "fine_voxel_m", "cell_m", "patch_m"):
+        assert getattr(far, grid) == pytest.approx(2 * getattr(near, grid))
+    for size in ("least_height_m", "most_extent_m", "most_width_m", "heap_m"):
+        assert getattr(far, size) == getattr(near, size)
     assert far.least_points == near.least_points // 4
     assert far.least_extent_m == pytest.approx(4 * 0.14)
 
