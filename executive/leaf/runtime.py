@@ -105,6 +105,13 @@ class Runtime(ABC):
         """Return what a leaf that drives parts must wait for; empty if it may begin."""
         return ""
 
+    def cut_short(self, parts: tuple[str, ...]) -> str:
+        """Return why a leaf that is under way and drives parts must fail now; empty if it need not.
+
+        A watched condition asks for it (`do: fail`).
+        """
+        return ""
+
     def keeps_failed(self, node: str, reason: str) -> bool:
         """Return whether a leaf that failed keeps its failure until the operator decides."""
         return False

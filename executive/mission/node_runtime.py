@@ -10,6 +10,7 @@ from executive.events.mission import Fault, Faulted, StopFailed
 from executive.events.site import RegionNamed
 from executive.faults.injector import Injector
 from executive.interfaces.robot import Robot
+from executive.leaf.claims import joints_of
 from executive.leaf.runtime import MissionFaultError, Question, Runtime
 from executive.leaf.store import Store
 from executive.machine.kinematics import Kinematics
@@ -26,6 +27,7 @@ from executive.mission.stream_events import StreamEvents
 from executive.mission.streams import Streams
 from executive.mission.tick_times import LEAF
 from executive.mission.wishes import Wishes
+from executive.watch.watch import Decision
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +55,8 @@ class NodeRuntime(Runtime):
         self.account = setup.account
         self._tick = 0  # of the mission: it stands still in a pause
         self._ending: Ending | None = None
+        self._cut: Decision | None = None  # leaves that move the machine fail for it in this tick
+        self._has_cut = False
         self.questions: list[Put] = []
         self.wishes = Wishes()
         plugins, machine = setup.assembly.plugins, setup.assembly.machine
@@ -141,6 +145,12 @@ class NodeRuntime(Runtime):
 
     def still_driven(self, parts: tuple[str, ...]) -> str:
         return self._braking.awaited(parts)
+
+    def cut_short(self, parts: tuple[str, ...]) -> str:
+        if self._cut is None or not joints_of(parts, self.services.machine):
+            return ""
+        self._has_cut = True
+        return f"watched condition '{self._cut.condition}': {self._cut.reason}"
 
     def keeps_failed(self, node: str, reason: str) -> bool:
         if self.wishes.pause_on_failure:

@@ -199,6 +199,9 @@ class RunNode(TreeNode):
             decided = self._decided()
             if decided is not None:
                 return self.take(self._call.kept(decided))
+        if self._steps is not None and (cut_short := self.runtime.cut_short(self._call.parts)):
+            self.cancel()
+            return self.take(self._call.kept(Outcome(False, cut_short)))
         return self._going_on()
 
     def _going_on(self) -> Status:

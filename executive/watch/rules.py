@@ -17,18 +17,27 @@ ESTIMATE, TRACKING, JOINT_LIMITS, EFFORT, GEOFENCE = (
 )
 
 
+# Settings that do not belong to each `do`: to which they belong
+_OWNERS = {"wait": ("hold", "fail"), "settle": ("hold",), "then": ("hold",), "most": ("fail",)}
+
+
 class Rule(Settings):
     """What happens when a condition is broken."""
 
-    do: Literal["tell", "hold", "stop"] = Field(
+    do: Literal["tell", "hold", "fail", "stop"] = Field(
         description="`tell` writes it down; `hold` stops along the path and waits until the "
-        "condition holds again; `stop` ends the mission in a safe stop."
+        "condition holds again; `fail` lets the leaf fail that moves the machine, which stops "
+        "along its path; `stop` ends the mission in a safe stop."
     )
     after: Seconds = Field(
         0.0, ge=0, le=60, description="How long it must be broken before that happens [s]."
     )
     wait: Seconds = Field(
-        60.0, gt=0, le=3600, description="Of `hold`: longest wait for the condition [s]."
+        60.0,
+        gt=0,
+        le=3600,
+        description="Longest wait for the condition [s]: of `hold` in the hold, of `fail` after "
+        "the leaf has failed.",
     )
     settle: Seconds = Field(
         1.0, ge=0, le=60, description="Of `hold`: how long it must hold before going on [s]."
@@ -36,18 +45,21 @@ class Rule(Settings):
     then: Literal["stop", "go_on"] = Field(
         "stop", description="Of `hold`: what happens when the wait is over."
     )
+    most: int = Field(
+        3, ge=1, le=1000, description="Of `fail`: how often in a mission; after that it stops."
+    )
 
     def after_s(self, machine: Machine) -> float:
         """Return how long the condition must be broken on a machine before the rule acts [s]."""
         return self.after
 
     @model_validator(mode="after")
-    def _check_hold(self) -> "Rule":
-        given = sorted(self.model_fields_set & {"wait", "settle", "then"})
-        if self.do != "hold" and any(
-            getattr(self, name) != type(self).model_fields[name].default for name in given
-        ):
-            raise ValueError(f"{' and '.join(given)} belong to `do: hold`, not to `{self.do}`")
+    def _check_owned(self) -> "Rule":
+        for name, owners in _OWNERS.items():
+            is_given = getattr(self, name) != type(self).model_fields[name].default
+            if is_given and self.do not in owners:
+                of = " and ".join(f"`do: {owner}`" for owner in owners)
+                raise ValueError(f"{name} belongs to {of}, not to `{self.do}`")
         return self
 
 

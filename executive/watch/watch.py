@@ -1,5 +1,6 @@
-"""Decides at each tick what the conditions of a mission ask for: go on, hold, or stop."""
+"""Decides at each tick what the conditions of a mission ask for: go on, hold, fail, or stop."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -16,6 +17,7 @@ class Wish(Enum):
 
     GO_ON = "go_on"
     HOLD = "hold"
+    FAIL = "fail"  # of what moves the machine
     STOP = "stop"
 
 
@@ -32,6 +34,7 @@ class Decision:
 class _Broken:
     since_s: float
     reason: str
+    failed_s: float | None = None  # when it let the motion fail
 
 
 class Watch:
@@ -51,6 +54,7 @@ class Watch:
         self._held: tuple[str, float] | None = None  # condition, and since when
         self._well_since_s: float | None = None
         self._excused: set[str] = set()  # broken conditions whose wait is over: `then: go_on`
+        self._failures: Counter[str] = Counter()  # motions that failed for a condition
 
     def rule_of(self, condition: str) -> Rule | None:
         """Return the rule of a condition, or None."""
@@ -65,12 +69,14 @@ class Watch:
         for condition in acting:
             if self._of(condition).do == "stop":
                 return Decision(Wish.STOP, condition, self._broken[condition].reason)
+        holding = [c for c in acting if self._of(c).do == "hold"]
         if self._held is not None:
-            return self._hold(acting, now_s)
-        if acting:
-            self._held, self._well_since_s = (acting[0], now_s), None
-            return Decision(Wish.HOLD, acting[0], self._broken[acting[0]].reason)
-        return Decision(Wish.GO_ON)
+            return self._hold(holding, now_s)
+        if holding:
+            self._held, self._well_since_s = (holding[0], now_s), None
+            return Decision(Wish.HOLD, holding[0], self._broken[holding[0]].reason)
+        decisions = [self._fail(condition, now_s) for condition in acting]
+        return next((one for one in decisions if one.wish is not Wish.GO_ON), Decision(Wish.GO_ON))
 
     def broken(self) -> Mapping[str, str]:
         """Return what is wrong, by condition."""
@@ -99,6 +105,21 @@ class Watch:
             raise ConfigError(f"no rule for '{condition}'")
         return rule
 
+    def _fail(self, condition: str, now_s: float) -> Decision:
+        """Let the motion fail, once each time that the condition is broken, and not too often."""
+        rule, broken = self._of(condition), self._broken[condition]
+        if broken.failed_s is None and self._failures[condition] < rule.most:
+            self._failures[condition] += 1
+            broken.failed_s = now_s
+            return Decision(Wish.FAIL, condition, broken.reason)
+        if broken.failed_s is None:
+            told = f"{broken.reason}; motions have failed for that {rule.most} times before"
+        elif now_s - broken.failed_s >= rule.wait - 1e-9:
+            told = f"{broken.reason}, {rule.wait:g} s after a motion has failed for that"
+        else:
+            return Decision(Wish.GO_ON)
+        return Decision(Wish.STOP, condition, told)
+
     def _hold(self, acting: list[str], now_s: float) -> Decision:
         """Go on with a hold: until all is well for long enough, or the wait is over."""
         if self._held is None:
@@ -125,4 +146,5 @@ class Watch:
     def _holds(self, condition: str) -> bool:
         """Return whether a broken condition keeps a hold from ending, acting or not yet."""
         rule = self.rule_of(condition)
-        return rule is not None and rule.do != "tell" and condition not in self._excused
+        waits = rule is not None and rule.do in ("hold", "stop")
+        return waits and condition not in self._excused

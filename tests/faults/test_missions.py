@@ -2,6 +2,8 @@
 
 import pytest
 
+from tests.faults.conftest import MISSION
+
 NOTICES = ("observation_refused", "condition_broken")
 AT = "node: ScanSwing, after: 3 s"
 # Three periods, and the tick in which the observation is read.
@@ -89,6 +91,36 @@ def test_an_arm_that_does_not_follow_is_stopped(run, how):
     shows_s = done.first("fault_shows")
     assert done.first("fault_injected") + 0.2 < shows_s  # the declared lag, at the least
     assert -0.05 <= done.first("condition_broken", shows_s - 0.06) - shows_s <= 0.1
+
+
+WEAK = f"{{actuator: J_TURN, how: sluggish, share: 0.3, {AT}, lasts: 1.5 s}}"
+# The estimate is in doubt as well, see above.
+FAILS = ("watch.tracking={do: fail, wait: 5 s}", "watch.estimate.after=5 s", "watch.gnss.after=5 s")
+
+
+def test_a_motion_that_leaves_its_path_fails_and_the_tree_decides(run):
+    again = MISSION.replace("- run: ScanSwing\n", "- run: ScanSwing\n        retry: 2\n")
+    done = run(WEAK, *FAILS, text=again)
+    assert done.report["outcome"] == "success"
+    (failed,) = [
+        one
+        for one in done.of("node_ended")
+        if one.status == "failure" and "off its path" in one.reason
+    ]
+    assert failed.reason.startswith("watched condition 'tracking': J_TURN is 0.1")
+    assert not done.of("faulted")
+    # Without another attempt the mission fails for the same reason.
+    done = run(WEAK, *FAILS)
+    assert done.report["outcome"] == "failure"
+    assert "watched condition 'tracking': J_TURN" in done.report["reason"]
+    assert done.status == 1
+
+
+def test_where_nothing_of_the_tree_moves_the_machine_the_mission_stops(run):
+    still = MISSION.replace("run: ScanSwing", "run: Localise").split("        with: {angle")[0]
+    done = run("", "watch.geofence={do: fail, radius: 2 m}", text=still)
+    assert done.status == 3
+    assert "outside 2.00 m" in done.report["reason"]
 
 
 def test_a_fault_of_a_plugin_raises_in_its_verb(run):

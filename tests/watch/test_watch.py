@@ -1,5 +1,7 @@
 """The rules of watched conditions: when a mission holds, goes on, and stops."""
 
+import re
+
 import pytest
 
 from executive.machine.machine import load_machine
@@ -42,6 +44,43 @@ def test_without_a_rule_that_acts_it_only_tells(rules):
     asked, events = wishes(rules, [SICK, SICK])
     assert asked == [Wish.GO_ON, Wish.GO_ON]
     assert [event.kind for event in events] == ["condition_broken"]
+
+
+def test_motions_fail_once_for_each_break_and_the_mission_stops_after_so_many():
+    rule = {"imu": {"do": "fail", "most": 2}}
+    asked, events = wishes(rule, [SICK, SICK, {}, SICK, {}, SICK])
+    fails = [Wish.FAIL, Wish.GO_ON, Wish.GO_ON, Wish.FAIL, Wish.GO_ON]
+    assert asked == [*fails, Wish.STOP]
+    assert [event.kind for event in events].count("condition_broken") == 3
+
+
+def test_what_stays_broken_after_a_motion_has_failed_for_it_stops_the_mission():
+    watch = Watch(MACHINE, {"imu": Rule(do="fail", wait=3.0)}, lambda event: None)
+    decisions = [watch.step(SICK, float(i)) for i in range(5)]
+    asked = [Wish.FAIL, Wish.GO_ON, Wish.GO_ON, Wish.STOP, Wish.STOP]
+    assert [one.wish for one in decisions] == asked
+    told = f"{SICK['imu_cabin']}, 3 s after a motion has failed for that"
+    assert decisions[3].reason == told
+
+
+def test_a_hold_goes_before_a_failure_which_waits_for_its_end():
+    rules = {"imu": {"do": "hold", "settle": 1.0}, "effort": {"do": "fail", "after": 1.0}}
+    weak = {"effort": "J_BOOM needs its full effort"}
+    asked, _ = wishes(rules, [SICK | weak, SICK | weak, weak, weak, weak])
+    assert asked == [*[Wish.HOLD] * 3, Wish.GO_ON, Wish.FAIL]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"do": "stop", "most": 2}, "most belongs to `do: fail`, not to `stop`"),
+        ({"do": "tell", "wait": 2}, "wait belongs to `do: hold` and `do: fail`, not to `tell`"),
+        ({"do": "fail", "settle": 2}, "settle belongs to `do: hold`, not to `fail`"),
+    ],
+)
+def test_a_setting_of_another_action_is_refused(given, told):
+    with pytest.raises(ValueError, match=re.escape(told)):
+        Rule(**given)
 
 
 @pytest.mark.parametrize(("after", "least_s"), [({}, MACHINE.stance.settling_s), ({"after": 2}, 2)])
