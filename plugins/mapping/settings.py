@@ -155,7 +155,7 @@ class VoxelMapSettings(MapSettings):
     needs: ClassVar[tuple[str, ...]] = ("machine",)
 
     forget_after: int = Field(
-        0,
+        3,
         ge=0,
         le=100,
         description="Scan pairs in a row that see through a place until it is forgotten; 0: never.",

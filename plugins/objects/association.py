@@ -1,6 +1,7 @@
 """Association of segments with known stones."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from executive_plugins.objects.surface import box_centre, diagonal_m
@@ -13,24 +14,43 @@ from executive.messages.segment import Segment
 from executive.messages.stone import Stone, StoneState
 from executive.messages.stone_event import StoneEvent
 
-_FORBIDDEN = 1e6  # cost of an impossible pair [m]
+_FORBIDDEN = 1e6  # cost of an impossible pair
+_NO_SIZE = 1e-3  # ratio of the sizes of a segment of one point, and a stone
 _MOST = 0.5  # share of a segment's points beyond which it is a piece of the body around them
 PIECE = "piece"  # kind of event of a stone whose model holds a segment: it tells no pose
 _NO_POSE = frozenset({PIECE, "state"})  # kinds of events that tell nothing of where a stone is
 
 
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """How far a stone may be from its stored position.
+
+    Attributes:
+        most_m: Largest distance [m].
+        may_have_rolled: It was released, or is lost: it need not lie where it was last.
+    """
+
+    most_m: float
+    may_have_rolled: bool = False
+
+
 def associate(
     segments: Sequence[Segment],
     stones: Sequence[Stone],
-    reaches_m: Sequence[float],
+    reaches: Sequence[Reach],
     max_ratio: float,
 ) -> list[int]:
-    """Assign segments to stones, one to one, with the least sum of distances.
+    """Assign segments to stones, one to one, with the least sum of costs.
+
+    The cost of a pair is its distance over the diagonal of the stone's box. For a stone that may
+    have rolled, that of the sizes is added, 1 at the largest ratio: beside where it was, a small
+    part of something is less likely to be the stone than what has its size farther away. A stone
+    that lies where it was may be seen in part.
 
     Args:
         segments: The segments of a view.
         stones: The stones that may be among them.
-        reaches_m: Largest distance of each stone from its stored position [m].
+        reaches: How far each stone may be from its stored position.
         max_ratio: Largest ratio of the box diagonals of a pair: two merged stones are not one stone
             that has grown. For a stone farther away than half its own diagonal the inverse ratio is
             bounded as well: a pebble is not the stone that fell.
@@ -43,11 +63,13 @@ def associate(
     costs = np.full((len(segments), len(stones)), _FORBIDDEN)
     for i, segment in enumerate(segments):
         for j, stone in enumerate(stones):
-            distance = _distance_m(segment, stone)
-            ratio = diagonal_m(segment.points) / diagonal_m(stone.points_map)
-            least = 1 / max_ratio if distance > 0.5 * diagonal_m(stone.points_map) else 0.0
-            if distance <= reaches_m[j] and least <= ratio <= max_ratio:
-                costs[i, j] = distance
+            distance, size_m = _distance_m(segment, stone), diagonal_m(stone.points_map)
+            ratio = diagonal_m(segment.points) / size_m
+            least = 1 / max_ratio if distance > 0.5 * size_m else 0.0
+            if distance <= reaches[j].most_m and least <= ratio <= max_ratio:
+                costs[i, j] = distance / size_m
+                if reaches[j].may_have_rolled:
+                    costs[i, j] += abs(np.log(max(ratio, _NO_SIZE))) / np.log(max_ratio)
     partners = [-1] * len(segments)
     for i, j in zip(*linear_sum_assignment(costs), strict=True):
         if costs[i, j] < _FORBIDDEN:
@@ -58,7 +80,7 @@ def associate(
 def associate_known_first(
     segments: Sequence[Segment],
     stones: Sequence[Stone],
-    reaches_m: Sequence[float],
+    reaches: Sequence[Reach],
     max_ratio: float,
 ) -> list[int]:
     """Assign segments as `associate` does, and to lost stones only what no other stone explains.
@@ -73,7 +95,7 @@ def associate_known_first(
         found = associate(
             [segments[i] for i in left],
             [stones[j] for j in rows],
-            [reaches_m[j] for j in rows],
+            [reaches[j] for j in rows],
             max_ratio,
         )
         for i, row in zip(left, found, strict=True):
@@ -97,6 +119,25 @@ def owner_of_piece(segment: Segment, stones: Sequence[Stone], distance_m: float)
     if not shares or max(shares) <= _MOST:
         return None
     return stones[int(np.argmax(shares))]
+
+
+def reach_of(
+    stone: Stone, history: Sequence[StoneEvent], max_distance_m: float, max_roll_m: float
+) -> Reach:
+    """Return how far a stone may be from its stored position.
+
+    Args:
+        stone: The stone.
+        history: Its events, oldest first.
+        max_distance_m: Of a stone that lies where it was seen [m].
+        max_roll_m: Of one that was released and not seen since [m]. One that is lost may lie
+            anywhere on the way that it was carried last as well.
+    """
+    if stone.state is StoneState.LOST:
+        return Reach(max_roll_m + carried_m(history), may_have_rolled=True)
+    if newest_pose(history).kind == "release":
+        return Reach(max_roll_m, may_have_rolled=True)
+    return Reach(max_distance_m)
 
 
 def newest_pose(history: Sequence[StoneEvent]) -> StoneEvent:

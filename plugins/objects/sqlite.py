@@ -11,9 +11,8 @@ from contextlib import closing, contextmanager
 from executive_plugins.objects.association import (
     PIECE,
     associate_known_first,
-    carried_m,
-    newest_pose,
     owner_of_piece,
+    reach_of,
 )
 from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import merged
@@ -245,8 +244,12 @@ class SqliteObjects(ObjectDatabase):
         self, segments: Sequence[Segment], stamp_s: float, seen_from_above: bool
     ) -> tuple[Stone, ...]:
         known = [stone for stone in self.stones() if stone.state is not StoneState.HELD]
-        reaches_m = [self._reach_m(stone) for stone in known]
-        partners = associate_known_first(segments, known, reaches_m, self._settings.max_growth)
+        s = self._settings
+        reaches = [
+            reach_of(stone, self.history(stone.id), s.max_distance_m, s.max_roll_m)
+            for stone in known
+        ]
+        partners = associate_known_first(segments, known, reaches, s.max_growth)
         with self._transaction() as db:
             for row, segment in zip(partners, segments, strict=True):
                 if row >= 0:
@@ -295,14 +298,6 @@ class SqliteObjects(ObjectDatabase):
         stone_id = int(cursor.lastrowid or 0)
         add_event(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _sensors(seen_from_above))
         return stone_id
-
-    def _reach_m(self, stone: Stone) -> float:
-        """Return how far a stone may be from its stored position [m]."""
-        s = self._settings
-        if stone.state is StoneState.LOST:
-            return s.max_roll_m + carried_m(self.history(stone.id))
-        newest = newest_pose(self.history(stone.id))
-        return s.max_roll_m if newest.kind == "release" else s.max_distance_m
 
     def _update(
         self,

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.objects.association import (
+    Reach,
     associate,
     carried_m,
     newest_pose,
@@ -25,7 +26,7 @@ def associated(diagonal_m: float, distance_m: float) -> bool:
     stone = Stone(1, StoneState.ON_GROUND, model, np.zeros(3), np.eye(4), True)
     points = diagonal_m * CUBE + [distance_m, 0.0, 0.0]
     segment = Segment(0, points, points.mean(axis=0), np.ones(3))
-    return associate([segment], [stone], [5.0], MAX_RATIO) == [0]
+    return associate([segment], [stone], [Reach(5.0)], MAX_RATIO) == [0]
 
 
 @pytest.mark.parametrize(
@@ -44,6 +45,31 @@ def test_size_and_distance_decide_together(
     diagonal_m: float, distance_m: float, expected: bool
 ) -> None:
     assert associated(diagonal_m, distance_m) is expected
+
+
+def at(diagonal_m: float, x_m: float) -> Segment:
+    points = diagonal_m * CUBE + [x_m, 0.0, 0.0]
+    return Segment(0, points, points.mean(axis=0), np.ones(3))
+
+
+def test_a_stone_that_may_have_rolled_is_what_has_its_size_and_not_what_is_nearest() -> None:
+    stone = Stone(1, StoneState.PLACED, LARGE_M * CUBE, np.zeros(3), np.eye(4), True)
+    parts = [at(0.8, 0.3), at(1.8, 0.9), at(1.0, 0.5)]
+    assert associate(parts, [stone], [Reach(3.0, may_have_rolled=True)], MAX_RATIO) == [-1, 0, -1]
+    # One that was left where it lay is seen in part there.
+    assert associate(parts, [stone], [Reach(3.0)], MAX_RATIO) == [0, -1, -1]
+    # Of small parts alone, the larger one: it is 0.26 of the stone's size nearer to its own.
+    rest = [parts[0], parts[2]]
+    assert associate(rest, [stone], [Reach(3.0, may_have_rolled=True)], MAX_RATIO) == [-1, 0]
+
+
+def test_distance_decides_between_two_of_a_size_and_a_part_at_the_place_beats_a_far_stone() -> None:
+    stone = Stone(1, StoneState.LOST, LARGE_M * CUBE, np.zeros(3), np.eye(4), True)
+    rolled = [Reach(5.0, may_have_rolled=True)]
+    assert associate([at(2.0, 2.1), at(2.0, 1.9)], [stone], rolled, MAX_RATIO) == [-1, 0]
+    # A part of half its size costs as much as a way of its size.
+    assert associate([at(1.0, 0.0), at(2.0, 2.1)], [stone], rolled, MAX_RATIO) == [0, -1]
+    assert associate([at(1.0, 0.0), at(2.0, 1.9)], [stone], rolled, MAX_RATIO) == [-1, 0]
 
 
 def test_no_segment_or_no_stone_is_no_pair() -> None:
