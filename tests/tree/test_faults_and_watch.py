@@ -68,7 +68,7 @@ def test_a_wrong_rule_is_told_at_its_place_with_the_cure(tmp_path):
         "dry.yaml:11:3: error: 'watch' has no condition 'encodrs'. Did you mean 'encoders'?" in told
     )
     assert "dry.yaml:12:13" in told
-    assert "wait belong to `do: hold`, not to `stop`" in told
+    assert "wait belongs to `do: hold` and `do: fail`, not to `stop`" in told
 
 
 def test_faults_and_rules_last_through_the_resolved_file(tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.objects.association import associate
+from executive_plugins.objects.association import Reach, associate
 from executive_plugins.objects.growth import fit_of, icp_shift, merged, shifts_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.settings import SqliteObjectsSettings
@@ -43,10 +43,10 @@ def test_association(recorded) -> None:
         for scale in (0.5, 0.625, 1.0, 1.6, 2.0):
             seen = box * scale + (shift, 0, 0)
             one = Segment(0, seen, seen.mean(axis=0), np.ones(3))
-            told.append(associate([one], [stone(1, box)], [0.875], 1.6))
+            told.append(associate([one], [stone(1, box)], [Reach(0.875)], 1.6))
     many = [segment(grid(k), 1.5 * k) for k in range(4)]
     known = [stone(k, grid(k) + (1.5 * k + 0.25, 0, 0.3)) for k in (2, 0, 1)]
-    told += [associate(many, known, [2.0] * 3, 2.0), associate([], known, [], 1.0)]
+    told += [associate(many, known, [Reach(2.0)] * 3, 2.0), associate([], known, [], 1.0)]
     told.append(associate(many, [], [], 1.0))
     recorded(told)
 
