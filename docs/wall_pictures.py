@@ -69,7 +69,9 @@ def structure_of(run: Path) -> Structure:
 
 
 def _placed_s(objects: SqliteObjects, stone: int) -> float:
-    return max(one.stamp_s for one in objects.history(stone) if one.kind == "release")
+    """Return when a stone was released last [s]; one that was never placed came first."""
+    released = (one.stamp_s for one in objects.history(stone) if one.kind == "release")
+    return max(released, default=0.0)
 
 
 if __name__ == "__main__":

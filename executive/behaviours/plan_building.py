@@ -24,6 +24,8 @@ from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone, StoneState
 from executive.messages.structure import Structure
 
+_LIE = (StoneState.ON_GROUND, StoneState.SET_ASIDE)
+
 
 class PlanBuildingSettings(Settings):
     room: Meters = Field(
@@ -66,7 +68,9 @@ class PlanBuilding(Action[PlanBuildingSettings]):
 
     The stones that stand are those that are placed, at their poses of the database: where the last
     look saw them, not where they were planned. A stone that was released and not seen since makes
-    the map stale: nothing is planned on it. The next stone is one that lies on the ground.
+    the map stale: nothing is planned on it. A stone that lies within the structure without having
+    been placed, because it fell or rolled there, is adopted as built. The next stone is one that
+    lies on the ground elsewhere, or the one that is asked for.
     """
 
     needs = (StructurePlanner, ObjectDatabase)
@@ -87,10 +91,14 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         ground, seen = bare_ground(segmentation.ground.points, structure)
         if stale := self._stale(standing, seen):
             return self._over(structure, "stale_map", stale, standing)
-        free = [one for one in stones if one.state is StoneState.ON_GROUND
-                and for_stone in (None, one.id)]  # fmt: skip
         objects, points = self.context.use(ObjectDatabase), segmentation.ground.points
-        as_built = solid_stones(standing, points, objects)
+        solid_of = solid_stones(stones, points, objects)
+        adopted = [one for one in stones if one.state in _LIE and one.id != for_stone
+                   and _is_within(structure, solid_of[one.id])]  # fmt: skip
+        standing += adopted
+        free = [one for one in stones if one.state is StoneState.ON_GROUND
+                and one not in adopted and for_stone in (None, one.id)]  # fmt: skip
+        as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
         plan = yield from self.context.job(
             self.context.use(StructurePlanner).propose,
@@ -155,6 +163,11 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         )
         told = tell_slots(self.context, slots)
         return succeeded(BuildingStep(stone.id, list(told)), f"stone {stone.id}")
+
+
+def _is_within(structure: Structure, solid: StandingStone) -> bool:
+    """Return whether the middle of a stone is above the foot of a structure."""
+    return bool(structure.depth_m(solid.T_map_stone[None, :2, 3], np.zeros(1))[0] >= 0.0)
 
 
 def _slot(number: int, target: BuildTarget, lying: StandingStone, stone: Stone) -> Slot:

@@ -103,6 +103,23 @@ def test_the_plan_follows_the_structure_as_it_stands(stage, database):
     assert ended.outputs["ending"] == "nothing_fits"
 
 
+def test_a_stone_that_lies_within_the_structure_is_adopted_as_built(stage, database):
+    """It fell there: the next stone is planned around it, and it is not taken as the next one."""
+    database.grasp(1, pose(), 2.0)
+    database.release(1, pose(t=np.array([-5.0, 6.0, 0.0])), 3.0, StoneState.ON_GROUND)
+    stand, planner = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    (asked,) = planner.calls("propose")
+    assert [one.stone.name for one in asked["built"].standing] == ["1"]
+    assert [one.name for one in asked["inventory"]] == ["2"]
+    (event,) = ended.events
+    assert event.standing == (1,)
+    # An attempt at the stone itself takes it off again.
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=1)
+    asked = planner.calls("propose")[-1]
+    assert (asked["built"].standing, [one.name for one in asked["inventory"]]) == ((), ["1"])
+
+
 def test_an_end_has_its_reason_and_figures(stage, database):
     stand, _ = on_stage(stage, database, NOTHING)
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
