@@ -1,6 +1,6 @@
 """Choose the next stone of a structure, and the pose in which it is to rest there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,15 +10,20 @@ from executive.config import Meters, Settings
 from executive.events.site import BuildingEnded, BuildingPlanned
 from executive.geometry.pose import inverse
 from executive.interfaces.building import StructurePlanner
+from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.bare_ground import bare_ground
+from executive.leaf.filled_place import is_filled
+from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.sightings import sightings
 from executive.leaf.slots_found import tell_slots
 from executive.leaf.solid_stones import solid_stones
+from executive.leaf.surroundings import map_cloud
 from executive.messages.building import AsBuilt, BuildPlan, BuildTarget, StandingStone
+from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone, StoneState
@@ -69,11 +74,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
     The stones that stand are those that are placed, at their poses of the database: where the last
     look saw them, not where they were planned. A stone that was released and not seen since makes
     the map stale: nothing is planned on it. A stone that lies within the structure without having
-    been placed, because it fell or rolled there, is adopted as built. The next stone is one that
-    lies on the ground elsewhere, or the one that is asked for.
+    been placed, because it fell or rolled there, is adopted as built; so is one that is not
+    recognised where it was last, if the map shows a body there. The next stone is one that lies on
+    the ground elsewhere, or the one that is asked for.
     """
 
-    needs = (StructurePlanner, ObjectDatabase)
+    needs = (StructurePlanner, Mapper, ObjectDatabase)
     on_resume = OnResume.REDO
 
     def run(
@@ -93,8 +99,9 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             return self._over(structure, "stale_map", stale, standing)
         objects, points = self.context.use(ObjectDatabase), segmentation.ground.points
         solid_of = solid_stones(stones, points, objects)
-        adopted = [one for one in stones if one.state in _LIE and one.id != for_stone
-                   and _is_within(structure, solid_of[one.id])]  # fmt: skip
+        within = [one for one in stones if one.id != for_stone
+                  and _is_within(structure, solid_of[one.id])]  # fmt: skip
+        adopted = yield from self._adopted(within)
         standing += adopted
         free = [one for one in stones if one.state is StoneState.ON_GROUND
                 and one not in adopted and for_stone in (None, one.id)]  # fmt: skip
@@ -113,6 +120,15 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             told = plan.detail or "no place holds any stone"
             return self._over(structure, str(plan.reason), told, standing, plan.refused)
         return self._next(structure, plan, solids, standing)
+
+    def _adopted(self, within: Sequence[Stone]) -> Generator[Job[Cloud], Cloud, list[Stone]]:
+        """Return the stones within the structure that are part of it without having been placed."""
+        lost = [one for one in within if one.state is StoneState.LOST]
+        shown: list[Stone] = []
+        if lost:
+            cloud = yield from map_cloud(self.context)
+            shown = [one for one in lost if is_filled(cloud, one)]
+        return shown + [one for one in within if one.state in _LIE]
 
     def _stale(self, standing: Sequence[Stone], seen: float) -> str:
         """Return why nothing may be planned on what is known; empty if it may."""

@@ -40,10 +40,11 @@ def target(stone, at, worst_m=0.02):
     return BuildTarget(stone, T, T, DOWN, 0.02, worst_m, 0.0, 3.0, {"contact": 0.9})
 
 
-def on_stage(stage, database, plan):
+def on_stage(stage, database, plan, points=()):
     """Return a stage with a building planner that gives a plan, and that planner."""
     planner = stage.Scripted(StructurePlanner, propose=plan)
-    return stage.Stage(building=planner, objects=database), planner
+    mapping = stage.PointMap(points)
+    return stage.Stage(building=planner, objects=database, mapping=mapping), planner
 
 
 def set_down(database, stone, at, is_seen=True):
@@ -118,6 +119,18 @@ def test_a_stone_that_lies_within_the_structure_is_adopted_as_built(stage, datab
     stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=1)
     asked = planner.calls("propose")[-1]
     assert (asked["built"].standing, [one.name for one in asked["inventory"]]) == ((), ["1"])
+
+
+@pytest.mark.parametrize("is_shown", [True, False])
+def test_a_lost_stone_stands_as_long_as_the_map_shows_a_body_there(stage, database, is_shown):
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    database.set_state(1, StoneState.LOST, 5.0)
+    points = database.stone(1).points_map if is_shown else SITE.ground.points
+    stand, planner = on_stage(stage, database, NOTHING, points)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    (asked,) = planner.calls("propose")
+    assert [one.stone.name for one in asked["built"].standing] == (["1"] if is_shown else [])
+    assert [one.name for one in asked["inventory"]] == ["2"]
 
 
 def test_an_end_has_its_reason_and_figures(stage, database):
