@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from executive.machine.machine import load_machine
+from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
 from executive.watch.antenna_check import AntennaCheck
-from executive.watch.gate import FUTURE, OUT_OF_ORDER, REPEATED, Gate
+from executive.watch.gate import FUTURE, NOT_FINITE, NOT_FIXED, OUT_OF_ORDER, REPEATED, Gate
+from executive.watch.sources import sensor_of
 
 MACHINE = load_machine("m545")
 N = len(MACHINE.joint_names)
@@ -91,3 +94,87 @@ def test_an_imu_that_the_other_and_the_turn_joint_contradict_is_refused():
 
 def test_rates_beyond_the_sensors_range_are_refused():
     assert "beyond its range" in refusals(gate(), [imu(0.01, rate=50.0)])[0]
+
+
+ANTENNA = next(iter(MACHINE.sensors_of("gnss"))).name
+LIDAR = next(iter(MACHINE.sensors_of("lidar"))).name
+GEODETIC = np.array([47.0, 8.0, 440.0])
+
+
+def damaged(sample, name, value):
+    """Return a sample with a value that no message can be made with."""
+    values = getattr(sample, name).copy()
+    values[1] = value
+    object.__setattr__(sample, name, values)
+    return sample
+
+
+def fix(stamp_s, **change):
+    return replace(GnssFix(stamp_s, ANTENNA, GEODETIC, 1e-4 * np.eye(3), True), **change)
+
+
+@pytest.mark.parametrize(
+    ("sample", "told"),
+    [
+        (damaged(joints(0.01), "position", np.nan), NOT_FINITE),
+        (damaged(imu(0.01), "angular_velocity_rad_s", -np.inf), NOT_FINITE),
+        (replace(imu(0.01), stamp_s=np.nan), NOT_FINITE),
+        (fix(0.01, is_rtk_fixed=False), NOT_FIXED),
+    ],
+)
+def test_what_holds_no_measurement_is_refused_and_counted_by_its_reason(sample, told):
+    one = gate()
+    name = sensor_of(sample, MACHINE).name
+    assert one.refusal(sample, 0.01) == (name, told)
+    assert one.refused == {(name, told): 1}
+    assert one.refusal(sample, -1.0)[1] in (FUTURE, NOT_FINITE)
+    assert one.refused.total() == 2
+    assert one.good(name) is None
+
+
+def test_the_newest_good_observation_of_each_sensor_is_known():
+    one = gate()
+    seen = [imu(0.01), fix(0.02), imu(0.03), fix(0.04, is_rtk_fixed=False)]
+    assert [one.refusal(sample, sample.stamp_s)[0] for sample in seen] == [
+        "imu_cabin",
+        ANTENNA,
+        "imu_cabin",
+        ANTENNA,
+    ]
+    assert one.good("imu_cabin") is seen[2]
+    assert one.good(ANTENNA) is seen[1]
+    assert one.good("another") is None
+
+
+def test_a_stamp_may_be_ahead_by_one_period_of_its_sensor():
+    rate_hz = MACHINE.sensors["imu_cabin"].rate_hz
+    assert gate().refusal(imu(1.0 + 0.9 / rate_hz), 1.0)[1] == ""
+    assert gate().refusal(imu(1.0 + 1.1 / rate_hz), 1.0)[1] == FUTURE
+
+
+def test_what_is_of_no_sensor_of_the_machine_passes_and_is_not_kept():
+    one = gate()
+    unknown = imu(0.01, "imu_of_a_visitor")
+    assert one.refusal(unknown, 0.0) == ("", "")
+    assert one.refusal(unknown, 0.0) == ("", "")
+    assert one.good("imu_of_a_visitor") is None
+    assert not one.refused
+
+
+def test_after_a_hold_joints_may_be_elsewhere():
+    kept, forgot = gate(), gate()
+    for one in (kept, forgot):
+        assert not any(refusals(one, [joints(0.01), joints(0.02)]))
+        assert "has jumped by" in refusals(one, [joints(0.03, AT + 0.05)])[0]
+    forgot.forget()
+    assert refusals(forgot, [joints(5.0, AT + 0.05)]) == [""]  # there was time to move
+    assert "has jumped by" in refusals(kept, [joints(0.04, AT + 0.05)])[0]
+
+
+def test_a_scan_is_checked_against_its_sensors_range():
+    one = gate()
+    near = np.random.default_rng(3).normal(0, 1.0, (50, 3)) + [5, 0, 0]
+    stamps = np.linspace(0.0, 0.1, 50)
+    assert refusals(one, [LidarScan(0.1, LIDAR, near, stamps)]) == [""]
+    told = refusals(one, [LidarScan(0.2, LIDAR, 1000 * near, stamps + 0.1)])[0]
+    assert told not in ("", NOT_FINITE)

@@ -1,13 +1,14 @@
 """A worker whose process is made up: what it does when that ends, is late, or cannot start."""
 
 import pickle
+import threading
 from concurrent.futures import Future
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from executive.mission.jobs.call import NotPortableError, WorkerDiedError
+from executive.mission.jobs.call import NotPortableError, VerbOverdueError, WorkerDiedError
 from executive.mission.jobs.worker import Worker
 from executive.mission.jobs.worker_process import EndedError
 
@@ -59,13 +60,16 @@ class Stand:
         self.worker._make = lambda: next(left)
 
     def asked(self, verb: str = "move") -> Future[Any]:
-        task = SimpleNamespace(
-            call=SimpleNamespace(verb=verb),
-            plugin=object(),
-            patience=lambda spent_s: None,
-            address=SimpleNamespace(error=lambda kind, reason, *_: kind(reason)),
-        )
-        return self.worker.submit(task)
+        return self.worker.submit(task_of(verb))
+
+
+def task_of(verb: str = "move", patience: Any = lambda spent_s: None) -> Any:
+    return SimpleNamespace(
+        call=SimpleNamespace(verb=verb),
+        plugin=object(),
+        patience=patience,
+        address=SimpleNamespace(error=lambda kind, reason, *_: kind(reason)),
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -152,3 +156,97 @@ def test_an_answer_that_cannot_be_read_is_told() -> None:
     stand = Stand(Process(b"torn"))
     with pytest.raises(NotPortableError, match="its answer cannot be read: "):
         stand.asked().result(PATIENCE_S)
+
+
+def test_an_answer_that_is_late_twice_is_told_with_what_the_process_did() -> None:
+    late = [Process(TimeoutError()), Process(TimeoutError())]
+    for process in late:
+        process.stopped, process.dump = lambda: "", lambda: "its stack"
+    late[1].stopped = lambda: "it was stopped by a signal"
+    stand = Stand(*late)
+    found: list[tuple[str, object, str]] = []
+
+    def overdue(reason: str, place: object, dump: str) -> VerbOverdueError:
+        found.append((reason, place, dump))
+        return VerbOverdueError(reason)
+
+    task = task_of(patience=lambda spent_s: SimpleNamespace(told=lambda: "no answer in 2 s"))
+    task.overdue = overdue
+    with pytest.raises(VerbOverdueError, match="stopped by a signal"):
+        stand.worker.submit(task).result(PATIENCE_S)
+    assert found == [
+        ("no answer in 2 s", None, "its stack"),
+        ("it was stopped by a signal", None, "its stack"),
+    ]
+    assert stand.told == [("move", "no answer in 2 s")]
+    assert [one.is_killed for one in late] == [True, True]
+
+
+def test_a_process_without_memory_is_replaced_and_told_by_the_name_of_the_error() -> None:
+    stand = Stand(Process(answer(MemoryError("1 GB"), is_error=True)), Process(answer(3)))
+    assert stand.asked().result(PATIENCE_S) == 3
+    assert stand.told == [("move", "MemoryError")]
+
+
+class Busy(Process):
+    """Computes until it is interrupted, as a process that is killed ends."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked, self.interrupted = threading.Event(), threading.Event()
+
+    def ask(self, request: bytes, patience: Any) -> bytes:
+        self.asked.set()
+        assert self.interrupted.wait(PATIENCE_S)
+        raise ended("it was killed")
+
+    def interrupt(self) -> None:
+        self.interrupted.set()
+
+
+def test_a_call_that_is_dropped_ends_its_process_and_is_not_tried_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun: list[tuple[float, bool]] = []
+
+    class Timer:
+        daemon = False
+
+        def __init__(self, after_s: float, do: Any, given: list[Any]) -> None:
+            self.after_s, self.do, self.given = after_s, do, given
+
+        def start(self) -> None:
+            begun.append((self.after_s, self.daemon))
+            self.do(*self.given)
+
+    monkeypatch.setattr("executive.mission.jobs.worker.threading.Timer", Timer)
+    busy = Busy()
+    stand = Stand(busy, Process(answer(5)))
+    dropped = stand.asked()
+    assert busy.asked.wait(PATIENCE_S)
+    waiting = stand.asked()
+    stand.worker.abandon(waiting)  # its turn has not come: the call before it goes on
+    assert not busy.interrupted.is_set()
+    stand.worker.abandon(dropped)
+    with pytest.raises(WorkerDiedError, match="it was killed"):
+        dropped.result(PATIENCE_S)
+    assert begun == [(2.0, True), (2.0, True)]
+    assert busy.is_killed
+    assert stand.told == []
+    assert waiting.result(PATIENCE_S) == 5
+
+
+def test_a_worker_that_is_busy_when_it_is_closed_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("executive.mission.jobs.worker._DEADLINE_S", 0.01)
+    busy = Busy()
+    stand = Stand(busy)
+    asked = stand.asked()
+    assert busy.asked.wait(PATIENCE_S)
+    stand.worker._thread.join = lambda timeout, join=stand.worker._thread.join: join(
+        PATIENCE_S if busy.interrupted.is_set() else timeout
+    )
+    stand.worker._make = lambda: Process(answer(0))
+    stand.worker.close()
+    assert busy.interrupted.is_set()
+    assert not stand.worker._thread.is_alive()
+    assert asked.done()
