@@ -1,5 +1,6 @@
 """Reads `faults:` and `watch:` of a mission: what is done to it on purpose, and what it watches."""
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import lru_cache
 
@@ -16,6 +17,7 @@ from executive.tree.value import Scalar, Table, TableEntry, Value, merged
 from executive.watch.rules import Watched, conditions_of
 
 FAULTS, WATCH = "faults", "watch"
+_ROOT = "main"  # the tree of a mission, and the path of its root, whatever that is called
 SECTIONS = (FAULTS, WATCH)
 
 
@@ -30,7 +32,10 @@ class FaultReader:
         reading: Reading,
     ) -> None:
         self._machine, self._plugins, self._reading = machine, plugins, reading
-        self._nodes = sorted({n.label for tree in trees.values() for n in tree.root.walk()})
+        labels = Counter(node.label for tree in trees.values() for node in tree.root.walk())
+        root = trees[_ROOT].root.label if _ROOT in trees else ""
+        self._root = root if labels[root] == 1 else _ROOT
+        self._nodes = sorted({*labels, _ROOT})
 
     def faults(self, value: Value | None) -> tuple[Fault, ...]:
         """Return the faults of `faults:`, in the order of the file."""
@@ -82,6 +87,8 @@ class FaultReader:
         refusals.append(self._node_refusal(fault.node))
         for field, told in (one for one in refusals if one is not None):
             self._reading.fail(table.get(field) or table, told)
+        if fault.node == self._root:
+            fault = fault.model_copy(update={"node": _ROOT})
         return fault if refusals == [None, None] else None
 
     def _node_refusal(self, node: str | None) -> tuple[str, str] | None:

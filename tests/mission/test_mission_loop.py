@@ -284,6 +284,14 @@ def test_what_is_shown_and_named_while_a_mission_runs(
     assert shown["joints"] == shown["tree"][1:]  # there was no sample yet
 
 
+@pytest.mark.parametrize("name", ["main", "wait"])
+def test_a_fault_may_wait_for_the_root_to_begin(tmp_path: Path, name: str) -> None:
+    fault = f"faults: [{{sensor: imu, how: silent, node: {name}, after: 0.4 s}}]\n"
+    result = run(tmp_path, text=WAIT + fault)
+    began = [one for one in read_journal(result.folder.journal) if one.kind == "fault_injected"]
+    assert [one.time_s for one in began] == pytest.approx([0.4])
+
+
 def test_a_run_that_was_cut_off_goes_on_at_its_tick(tmp_path: Path) -> None:
     cut = tmp_path / "cut"
 
