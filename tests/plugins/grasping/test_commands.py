@@ -150,3 +150,9 @@ def test_a_training_is_told_where_to_start_and_how_fast(
     folder, to, settings, test, _ = asked[0]
     assert (folder, to, test) == (tmp_path, out, None)
     assert (settings.start, settings.rate, settings.epochs) == ("two_stream", 2e-4, 3)
+
+
+def test_an_unknown_architecture_is_refused_before_anything_is_imported(tmp_path: Path) -> None:
+    told = "--architecture: 'resnet' is not one of four_layer, two_stream"
+    with pytest.raises(ConfigError, match=told):
+        commands.grasp_train(tmp_path, tmp_path / "out.safetensors", architecture="resnet")

@@ -180,3 +180,10 @@ def test_the_frame_of_a_replaced_stone_moves_by_the_means_of_both_views(
     expected = voxel_means(one_sided, 0.03).mean(axis=0) - first.points_map.mean(axis=0)
     moved = stone.T_map_object[:3, 3] - first.T_map_object[:3, 3]
     np.testing.assert_allclose(moved, expected, atol=1e-6)
+
+
+def test_a_model_of_just_as_many_points_as_are_allowed_stays_as_it_is() -> None:
+    model = np.mgrid[0:6, 0:5, 0:4].reshape(3, -1).T * 0.1
+    near = model + 0.004  # within a cell: nothing of it is new
+    assert np.array_equal(merged(model, near, 0.01, len(model)), model)
+    assert len(merged(model, near, 0.01, len(model) - 1)) < len(model)
