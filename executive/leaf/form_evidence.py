@@ -74,7 +74,9 @@ def is_refuted(around: Cloud, model: Float, settings: FormSettings) -> bool:
     """Return whether the map shows something else than a stone at its place, or nothing.
 
     A map of few points confirms no stone and refutes none: that most of what it shows has the form
-    of the stone, which is more than where another one lies, leaves the stone in doubt.
+    of the stone, which is more than where another one lies, leaves the stone in doubt. So does
+    something else beside it, such as a stone that fell and lies there unknown, as long as the map
+    shows the form of the stone where the stone's own surface is.
 
     Args:
         around: The map without what other known stones explain.
@@ -82,8 +84,11 @@ def is_refuted(around: Cloud, model: Float, settings: FormSettings) -> bool:
         settings: How likely the form has to be.
     """
     form = form_evidence(around.points, model, settings.max_distance)
-    refutes = form.alike <= _OTHER[0] or form.log_ratio < -np.log(settings.min_likelihood)
-    return bool(refutes)
+    sure = np.log(settings.min_likelihood)
+    if form.alike > _OTHER[0] and form.log_ratio >= -sure:
+        return False
+    own = _own_evidence(around.points, model, settings.max_distance)
+    return own.alike <= _OTHER[0] or own.log_ratio < sure
 
 
 def form_evidence(points: Float, model: Float, reach_m: float, hangs: bool = False) -> FormEvidence:
@@ -103,16 +108,49 @@ def form_evidence(points: Float, model: Float, reach_m: float, hangs: bool = Fal
     """
     from scipy.spatial import cKDTree  # reading a mission imports no algorithm
 
-    middle_m = model[:, 2].min() + _UPPER * np.ptp(model[:, 2])
-    upper = points if hangs else points[points[:, 2] > middle_m]
+    upper = points if hangs else points[points[:, 2] > _middle_m(model)]
     distances, feet = cKDTree(model).query(upper, distance_upper_bound=reach_m)
     beside = np.isfinite(distances)
     if not beside.any():
         return FormEvidence(0.0, 0.0)
     seen, feet = upper[beside], feet[beside]
     normals = outward_normals(model, model.mean(axis=0))[feet]
-    heights = np.einsum("ij,ij->i", seen - model[feet], normals)
-    patches = cKDTree(seen).query_ball_point(seen, _PATCH_M)
+    return _judged(seen, np.einsum("ij,ij->i", seen - model[feet], normals))
+
+
+def _own_evidence(points: Float, model: Float, reach_m: float) -> FormEvidence:
+    """Compare the upper half of a model with the map where the map shows its surface.
+
+    What lies beside the stone does not count, unless it hides it.
+    """
+    from scipy.spatial import cKDTree
+
+    is_upper = model[:, 2] > _middle_m(model)
+    upper = model[is_upper]
+    if not len(points) or not len(upper):
+        return FormEvidence(0.0, 0.0)
+    distances, nearest = cKDTree(points).query(upper, distance_upper_bound=reach_m)
+    is_near = np.isfinite(distances)
+    normals = outward_normals(model, model.mean(axis=0))[is_upper][is_near]
+    offsets = points[nearest[is_near]] - upper[is_near]
+    heights = np.einsum("ij,ij->i", offsets, normals)
+    aside_m = np.sqrt(np.maximum(distances[is_near] ** 2 - heights**2, 0.0))
+    shown = aside_m <= _PATCH_M
+    if not shown.any():
+        return FormEvidence(0.0, 0.0)
+    return _judged(upper[is_near][shown], heights[shown])
+
+
+def _middle_m(model: Float) -> float:
+    """Return the height above which all is of the stone, and not of the ground [m]."""
+    return float(model[:, 2].min() + _UPPER * np.ptp(model[:, 2]))
+
+
+def _judged(at: Float, heights: Float) -> FormEvidence:
+    """Return what patches of points (N, 3) with heights (N,) above a surface [m] say."""
+    from scipy.spatial import cKDTree
+
+    patches = cKDTree(at).query_ball_point(at, _PATCH_M)
     means = np.abs([heights[patch].mean() for patch in patches])
     weights = np.array([1.0 / len(patch) for patch in patches])
     kinds = np.digitize(means, (_FORM_M, _CLUTTER_M))

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from executive.leaf.form_evidence import form_evidence
+from executive.leaf.form_evidence import FormSettings, form_evidence, is_refuted
+from executive.messages.cloud import Cloud
 
 REACH_M = 0.3
 SURE = np.log(1e3)
@@ -56,3 +57,27 @@ def test_a_few_patches_are_not_enough_and_none_say_nothing(model):
     top = model[model[:, 2] > 0.33]
     assert 0.0 < form_evidence(top, model, REACH_M).log_ratio < SURE
     assert form_evidence(model + [5.0, 0.0, 0.0], model, REACH_M).log_ratio == 0.0
+
+
+def refuted(points, model):
+    return is_refuted(Cloud("map", points), model, FormSettings())
+
+
+def test_what_lies_on_a_stone_does_not_refute_it_and_another_stone_in_its_place_does(model):
+    seen = noisy(view(ellipsoid([0.5, 0.4, 0.35], seed=2)))
+    beside = seen[seen[:, 1] > 0.2] * [1.0, 1.12, 1.12]  # a layer some 4 cm off a part of it
+    both = np.vstack([seen, beside])
+    assert form_evidence(both, model, REACH_M).log_ratio < -SURE  # of all that the map shows there
+    assert not refuted(both, model)
+    assert refuted(np.vstack([seen + [0.06, 0.0, 0.0], beside]), model)
+    assert refuted(beside, model)
+    assert refuted(noisy(view(ellipsoid([0.43, 0.43, 0.38], seed=2))), model)
+
+
+def test_an_empty_place_refutes_a_stone_and_a_few_points_of_it_do_not(model):
+    ground = np.column_stack(
+        [np.random.default_rng(1).uniform(-1, 1, (500, 2)), np.full(500, -0.3)]
+    )
+    assert refuted(ground, model)
+    assert refuted(np.empty((0, 3)), model)
+    assert not refuted(np.vstack([ground, model[model[:, 2] > 0.33]]), model)
