@@ -122,12 +122,20 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         return self._next(structure, plan, solids, standing)
 
     def _adopted(self, within: Sequence[Stone]) -> Generator[Job[Cloud], Cloud, list[Stone]]:
-        """Return the stones within the structure that are part of it without having been placed."""
+        """Return the stones within the structure that are part of it without having been placed.
+
+        One that was placed, and that a later look did not recognise, is placed again: it is not
+        looked for elsewhere, where its model would be replaced by a piece of its neighbours.
+        """
+        objects = self.context.use(ObjectDatabase)
         lost = [one for one in within if one.state is StoneState.LOST]
         shown: list[Stone] = []
         if lost:
             cloud = yield from map_cloud(self.context)
             shown = [one for one in lost if is_filled(cloud, one)]
+        for one in shown:
+            if sightings(objects, one.id):
+                objects.set_state(one.id, StoneState.PLACED, self.context.now_s())
         return shown + [one for one in within if one.state in _LIE]
 
     def _stale(self, standing: Sequence[Stone], seen: float) -> str:

@@ -130,6 +130,7 @@ def test_a_lost_stone_stands_as_long_as_the_map_shows_a_body_there(stage, databa
     stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
     (asked,) = planner.calls("propose")
     assert [one.stone.name for one in asked["built"].standing] == (["1"] if is_shown else [])
+    assert database.stone(1).state is (StoneState.PLACED if is_shown else StoneState.LOST)
     assert [one.name for one in asked["inventory"]] == ["2"]
 
 

@@ -13,7 +13,7 @@ from executive.events.stone import PlacementVerified, StoneRealigned, StoneRelea
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.metric import RunRecord, Share, TimedEvent, Values
-from executive.interfaces.report import MissionReport, PickReport, Timing
+from executive.interfaces.report import MissionReport, Timing
 from executive.interfaces.truth import TrueStone, Truth
 from executive.testing.blank import blank
 
@@ -31,8 +31,8 @@ def made(kind: type[Event], **values: Any) -> Event:
     return kind(**{**{one.name: 0.0 for one in fields(kind)}, **values})
 
 
-def planned(stone: int) -> Event:
-    return made(BuildingPlanned, structure="wall", stone=stone)
+def planned(stone: int, *standing: int) -> Event:
+    return made(BuildingPlanned, structure="wall", stone=stone, standing=standing)
 
 
 def released(stone: int) -> Event:
@@ -52,8 +52,8 @@ def seen(
     return made(PlacementVerified, stone=stone, seen=how, **looked)
 
 
-def ended(reason: str) -> Event:
-    return made(BuildingEnded, structure="wall", reason=reason)
+def ended(reason: str, *standing: int) -> Event:
+    return made(BuildingEnded, structure="wall", reason=reason, standing=standing)
 
 
 def laid(stone: int, off_m: float, yaw_rad: float) -> list[Event]:
@@ -101,29 +101,24 @@ def test_a_look_long_after_the_release_does_not_change_what_was_seen_then() -> N
     assert measured("built_error_rad", events).values == pytest.approx((0.02,))
 
 
-def test_stones_stand_by_their_newest_relocation() -> None:
-    picks = tuple(
-        blank(PickReport, object=stone, placed=placed)
-        for stone, placed in [(1, True), (2, True), (2, False), (3, False), (3, True), (7, True)]
-    )
-    events = [planned(1), planned(2), planned(3)]
-    assert measured("stones_built", events, picks=picks) == Values((2,))
+def test_stones_stand_by_the_newest_plan_and_by_what_was_placed_after_it() -> None:
+    events = [*laid(1, 0.02, 0.0), *laid(2, 0.02, 0.0), planned(3, 1, 7), released(3)]
+    assert measured("stones_built", events) == Values((2,))  # the mission lost stone 2
+    assert measured("stones_built", [*events, seen(3, 0.02)]) == Values((3,))
+    assert measured("stones_built", [*events, seen(3, None, None)]) == Values((2,))
+    assert measured("stones_built", [*events, seen(3, 0.02), ended("complete", 3)]) == Values((1,))
 
 
 def test_of_the_stones_that_stand_the_true_error_counts() -> None:
-    picks = tuple(
-        blank(PickReport, object=stone, placed=placed)
-        for stone, placed in [(1, True), (2, False), (3, True), (7, True)]
-    )
     errors = {1: 0.02, 2: 0.5, 3: None, 7: 0.6}
     true = tuple(
         blank(TrueStone, id=10 + stone, held_object=stone, database_error_m=error)
         for stone, error in errors.items()
     )
-    events = [planned(1), planned(2), planned(3)]
+    events = [planned(2, 1, 3)]
     truth = blank(Truth, stones=true)
-    assert measured("standing_error_m", events, picks=picks, truth=truth) == Values((0.02,))
-    assert measured("standing_error_m", events, picks=picks, truth=None) is None
+    assert measured("standing_error_m", events, truth=truth) == Values((0.02,))
+    assert measured("standing_error_m", events, truth=None) is None
 
 
 def test_a_structure_without_a_stone_has_none() -> None:

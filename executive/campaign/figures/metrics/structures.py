@@ -48,8 +48,8 @@ class StonesBuilt(Metric):
 
     title = "stones of a structure"
     description = (
-        "Number of stones in a run that were planned for a structure and stand there at the end:"
-        " a look after the newest release has shown each at its place."
+        "Number of stones in a run that stand in a structure at the end, as the mission knows it:"
+        " those with which it was planned or ended last, and one that was placed after that."
     )
 
     def measure(self, run: RunRecord) -> Values | None:
@@ -178,14 +178,26 @@ class BuildingTimeP95(Metric):
 
 
 def _standing(run: RunRecord) -> frozenset[int] | None:
-    """Return the ids of the stones that stand in structures; None without any structure."""
-    of_structures = [one.event for one in run.events
-                     if isinstance(one.event, BuildingPlanned | BuildingEnded)]  # fmt: skip
-    if not of_structures:
+    """Return the ids of the stones that stand in structures; None without any structure.
+
+    They are those of which the newest plan of each structure says so, and those that were placed
+    after it.
+    """
+    planned: set[int] = set()
+    standing: dict[str, tuple[int, ...]] = {}
+    since: dict[str, float] = {}
+    for one in run.events:
+        match one.event:
+            case BuildingPlanned() as event:
+                planned.add(event.stone)
+                standing[event.structure], since[event.structure] = event.standing, one.time_s
+            case BuildingEnded() as event:
+                standing[event.structure], since[event.structure] = event.standing, one.time_s
+    if not standing:
         return None
-    planned = {one.stone for one in of_structures if isinstance(one, BuildingPlanned)}
-    newest = {pick.object: pick for pick in run.report.picks if pick.object in planned}
-    return frozenset(number for number, pick in newest.items() if pick.placed)
+    seen = (one.event.stone for one in run.events if isinstance(one.event, PlacementVerified)
+            and one.event.seen == "placed" and one.time_s >= max(since.values()))  # fmt: skip
+    return frozenset().union(*standing.values(), planned.intersection(seen))
 
 
 def _releases(run: RunRecord) -> Sequence[_Release]:
