@@ -9,12 +9,14 @@ from executive.clock import SimulatedClock
 from executive.events.watch import ObservationRefused, ScansNotFused
 from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
-from executive.messages.command import Drive
+from executive.messages.command import Drive, Follow
 from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.trajectory import JointTrajectory
 from executive.mission.guard import MOST_BEHIND, Guard, GuardSettings, failure_of
 from executive.mission.record.samples import Samples
-from executive.watch.rules import EstimateRule
-from executive.watch.watch import Decision
+from executive.watch.rules import TRACKING, EstimateRule, Rule
+from executive.watch.watch import Decision, Wish
 
 MACHINE = load_machine("m545")
 IMU = next(name for name, sensor in MACHINE.sensors.items() if sensor.kind == "imu")
@@ -189,3 +191,21 @@ def test_all_values_are_kept_up_to_a_number_and_then_every_second():
     assert kept[8] == [0, 4, 8]
     assert samples.total == 12
     assert len(samples) == len(list(samples)) <= 4
+
+
+def test_an_arm_that_does_not_follow_what_the_robot_has_taken_is_noticed():
+    names = MACHINE.arm_names
+    way = np.vstack([MACHINE.posture("carry"), MACHINE.posture("carry") + 0.5])
+    times = np.array([0.0, 4.0])
+    path = JointTrajectory(names, times, way, np.full_like(way, 0.125))
+    watched = Watched(watch={TRACKING: Rule(do="stop")})
+    q = np.append(way[0], 0.5)
+    still = JointSample(3.0, MACHINE.joint_names, q, np.zeros(len(q)), np.zeros(len(q)))
+    watched.streams.joints = still
+    assert watched.guard.step(3.0).wish is Wish.GO_ON  # nothing is commanded
+    watched.robot.command(Follow(path))
+    decision = watched.guard.step(3.0)
+    assert (decision.wish, decision.condition) == (Wish.STOP, TRACKING)
+    assert decision.reason.endswith("off its path")
+    watched.robot.stop()
+    assert watched.guard.step(3.0).wish is Wish.GO_ON  # it stands on its path

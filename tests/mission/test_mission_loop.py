@@ -10,7 +10,7 @@ from executive_plugins.robot.kinematic import KinematicRobot
 from executive_plugins.viewing.none import NoViewer
 
 from executive.clock import SimulatedClock
-from executive.errors import RobotError
+from executive.errors import ConfigError, RobotError
 from executive.events.mission import (
     Faulted,
     PauseEnded,
@@ -27,6 +27,7 @@ from executive.mission.options import Options
 from executive.mission.resume import resumed_run
 from executive.mission.run import Result, Run
 from executive.mission.stop_signals import Aborted
+from executive.supervision.beacon import beacon
 from executive.tree.load import load_mission
 from executive.watch.watch import Decision, Wish
 
@@ -312,3 +313,48 @@ def test_a_run_that_was_cut_off_goes_on_at_its_tick(tmp_path: Path) -> None:
     waited = [one for one in entries if one.kind == "node_ended"][-1]
     before = [one for one in read_journal(whole.folder.journal) if one.kind == "node_ended"][-1]
     assert waited.time_s >= before.time_s
+
+
+def test_time_begins_anew_when_a_mission_begins_and_joints_are_told_to_the_supervisor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(SimulatedClock, "start", lambda clock: told.append("start"))
+    monkeypatch.setattr(beacon(), "see_joints", lambda: told.append("joints"), raising=False)
+    run(tmp_path, Once(0.5, lambda mission: told.append("half")))
+    assert told[:2] == ["start", "start"]  # with the tree, and with the loop
+    assert told[2:].count("start") == 0
+    half = told.index("half")
+    assert told[2:half] == 9 * ["joints"]  # from the second tick on there are samples
+
+
+def test_what_a_failed_start_leaves_open_is_closed_and_its_error_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed: list[str] = []
+
+    def fails(robot: KinematicRobot) -> None:
+        raise ConfigError("the site has no room")
+
+    def close(robot: KinematicRobot) -> None:
+        closed.append("robot")
+        raise RuntimeError("it hangs")
+
+    monkeypatch.setattr(KinematicRobot, "start", fails)
+    monkeypatch.setattr(KinematicRobot, "close", close)
+    with pytest.raises(ConfigError, match="the site has no room"):
+        run(tmp_path)
+    assert closed == ["robot"]
+    assert "a plugin failed while it was closed" in (tmp_path / "run" / "log.txt").read_text()
+
+
+def test_times_of_a_report_have_three_decimals(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wall = iter([10.0, 10.0 + 3.000123, *[20.0] * 10_000])
+    monkeypatch.setattr("executive.mission.run.wall_s", lambda: next(wall))
+    report = run(tmp_path).report
+    assert report.ended_s == pytest.approx(1.05)
+    assert (report.wall_s, report.real_time_factor) == (3.0, 0.35)
+    wall = iter([10.0, 13.7, *[20.0] * 10_000])
+    assert run(tmp_path_of(tmp_path, "again")).report.real_time_factor == 0.284
