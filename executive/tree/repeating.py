@@ -28,13 +28,14 @@ class RepeatingNode(Controller):
     A round that leaves its body out is a round.
     """
 
+    _done: int  # rounds since it began
+
     def __init__(
         self, name: str, path: str, runtime: Runtime, body: Behaviour, rounds: Rounds
     ) -> None:
         super().__init__(name, path, runtime, [body])
         self._body = body
         self._rounds = rounds
-        self._done = 0
 
     def begin(self) -> None:
         self._done = 0

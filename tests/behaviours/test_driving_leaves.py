@@ -268,3 +268,11 @@ def test_it_is_ticked_in_a_tree(fakes, stage, place, status):
     ended = scene.tick(MoveBase, settings={"place": place}, stone=None)
     assert ended.status == status, ended.reason
     assert (robot.driver.pose_map[0] > 7.9) == (status == "SUCCESS")
+
+
+def test_the_arm_is_folded_into_the_posture_that_the_machine_drives_in(fakes):
+    context, _ = on_wheels(fakes)
+    carrying = MACHINE.driving.model_copy(update={"posture": "carry"})
+    folded = leaf(context, place=[8, 1])._folded(MACHINE.model_copy(update={"driving": carrying}))
+    np.testing.assert_array_equal(folded, MACHINE.posture("carry"))
+    assert not np.array_equal(folded, SCAN)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import typer
 
+from executive.clouds.changes import Standing
 from executive.commands import bulk
 from executive.commands.clouds import changes as changes_verb
 from executive.commands.grasps import grasp as grasp_verb
@@ -287,6 +288,53 @@ def test_what_differs_is_told_and_written(
     assert answered["moved"][0]["after"]["centroid"] == now.centroid.tolist()
     assert [len(answered[name]) for name in ("came", "went", "unseen")] == [1, 1, 1]
     assert answered["came"][0]["points"] == 2
+
+
+def test_what_went_and_what_came_may_be_one_stone_that_has_moved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of four old stones one stayed, one is not seen, one is gone and one lies elsewhere."""
+    old, new = ([segment(n, float(n)) for n in range(first, first + 4)] for first in (0, 4))
+    before, after = np.zeros((1, 3)), np.ones((1, 3))
+    answers = {
+        0: ("STAYED", "UNSEEN", "ABSENT", "ABSENT"),
+        4: ("STAYED", "UNSEEN", "ABSENT", "ABSENT"),
+    }
+    asked: list[Any] = []
+
+    def verdicts(clouds: Any, surface: Any, noise_m: float) -> Any:
+        asked.append((surface, noise_m))
+        first = int(clouds[0][0, 0])
+        return [SimpleNamespace(standing=Standing[name]) for name in answers[first]]
+
+    @contextmanager
+    def chosen(interface: Any, choices: Any) -> Any:
+        asked.append(interface.__name__)
+
+        def segment_(cloud: Cloud) -> Any:
+            return SimpleNamespace(segments=new if cloud.points.any() else old)
+
+        yield SimpleNamespace(segment=segment_)
+
+    monkeypatch.setattr("executive.commands.chosen.chosen", chosen)
+    monkeypatch.setattr("executive.clouds.changes.verdicts", verdicts)
+    monkeypatch.setattr("executive.clouds.changes.HeightMap", lambda cloud: cloud)
+    monkeypatch.setattr("executive.clouds.changes.check_overlap", lambda *both: None)
+    monkeypatch.setattr(
+        changes_verb, "_moved", lambda registrar, went, came, cloud: [(went[1], came[0], np.eye(4))]
+    )
+    found = changes_verb._compared(before, after, 0.05, ())
+    assert [one.id for one in found.came] == [7]
+    assert [one.id for one in found.went] == [2]
+    assert [(then.id, now.id) for then, now, _ in found.moved] == [(3, 6)]
+    assert [one.id for one in found.unseen] == [1]
+    assert found.stayed == 1
+    assert asked == ["Segmenter", (after, 0.05), (before, 0.05), "Registrar"]
+    answers[4] = ("STAYED",) * 4
+    asked.clear()
+    found = changes_verb._compared(before, after, 0.05, ())
+    assert ([one.id for one in found.went], found.came, found.moved) == ([2, 3], [], [])
+    assert "Registrar" not in asked  # nothing came that could be what went
 
 
 class Registrar:

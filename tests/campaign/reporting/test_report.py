@@ -95,6 +95,10 @@ def test_the_tables_hold_a_row_a_run(made_up: ModuleType, folder: Path) -> None:
         assert int(row["number"]) == outcome.number
         assert row["status"] == outcome.status.value
         assert row["estimation"] == campaign.trials[outcome.number].levels["estimation"]
+    fixed = ("number", "seed", "status", "outcome", "reason", "wall_s", "cpu_s", "tries", "worker")
+    assert {*fixed, "peak_memory_bytes"} <= columns.keys()
+    assert {*fixed, "peak_memory_bytes"} <= rows[0].keys()
+    assert not list(folder.glob("*.partial"))
     first = found[0].answer["measurements"]
     assert columns["success.hits"][0] == first["success"]["hits"]
     assert columns["placement_error"][0] == first["placement_error"]["values"]
