@@ -80,6 +80,24 @@ def test_a_stone_is_set_aside_with_the_cause(stand, database):
     assert (event.stone, event.reason) == (2, "too far: no way there")
 
 
+@pytest.mark.parametrize(
+    ("first", "last", "told"),
+    [
+        ("a slip", "no way there", "too far: first, a slip; last, no way there"),
+        ("no way", "no way there", "too far: no way there"),
+        ("", "no way there", "too far: no way there"),
+        ("", "", "too far"),
+    ],
+)
+def test_the_first_cause_is_named_if_the_last_does_not_say_it(
+    stand, monkeypatch, first, last, told
+):
+    monkeypatch.setattr(stand.leaf_context, "first_failure", lambda: first, raising=False)
+    monkeypatch.setattr(stand.leaf_context, "last_failure", lambda: last)
+    (event,) = stand.tick(SetAside, settings={"reason": "too far"}, stone=2).events
+    assert event.reason == told
+
+
 def test_an_unknown_stone_is_not_set_aside(stand):
     with pytest.raises(DataError, match="9"):
         stand.tick(SetAside, stone=9)

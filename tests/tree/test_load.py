@@ -168,6 +168,30 @@ def test_a_tree_that_two_files_of_a_folder_define_is_refused(
     ]
 
 
+@pytest.mark.parametrize(
+    ("library", "told"),
+    [
+        ("api: 1\n", ":1:1: error: a file of subtrees needs 'trees'"),
+        ("api: 2\ntrees: {look: {run: Scan}}\n", ":1:6: error: "),
+        (
+            "api: 1\ntree: {look: {run: Scan}}\n",
+            "a file of subtrees has no 'tree'. Did you mean 'trees'?",
+        ),
+        ("api: 1\ntrees: [look]\n", ":2:8: error: 'trees' is "),
+        ("- look\n", ":1:1: error: a file of subtrees is "),
+    ],
+)
+def test_a_file_of_subtrees_that_is_none_is_told_at_its_place(
+    tmp_path: Path, catalogue: Catalogue, library: str, told: str
+) -> None:
+    write(tmp_path, m=f"api: 1\nmission: m\n{PLUGINS}{MISSION}", subtrees__library=library)
+    with pytest.raises(MissionFileError) as caught:
+        load_mission(str(tmp_path / "m.yaml"), catalogue=catalogue)
+    path = tmp_path / "subtrees" / "library.yaml"
+    said = [str(one) for one in caught.value.problems if str(one).startswith(str(path))]
+    assert any(told in one for one in said), said
+
+
 def test_an_empty_list_takes_the_monitors_of_the_base_back(
     tmp_path: Path, catalogue: Catalogue
 ) -> None:
