@@ -300,7 +300,7 @@ def test_a_run_that_was_cut_off_goes_on_at_its_tick(tmp_path: Path) -> None:
         without = shutil.ignore_patterns("control.sock")
         shutil.copytree(tmp_path / "run", cut, ignore=without)
 
-    whole = run(tmp_path, Once(0.5, copy))
+    whole = run(tmp_path, Once(0.2, copy), text=WAIT.replace("1 s", "0.4 s"))
     ticks: list[int] = []
     result = resumed_run(cut).execute(lambda mission: ticks.append(mission.tick))
     assert result.report.outcome == "success", result.report.reason
@@ -308,8 +308,8 @@ def test_a_run_that_was_cut_off_goes_on_at_its_tick(tmp_path: Path) -> None:
     assert "robot" in resumed.restored
     entries = list(read_journal(result.folder.journal))
     (at,) = [one for one in entries if isinstance(one.event, Resumed)]
-    assert (at.tick, at.time_s) == (10, pytest.approx(0.5))
-    assert ticks[0] == 11
+    assert (at.tick, at.time_s) == (4, pytest.approx(0.2))
+    assert ticks[0] == 5
     waited = [one for one in entries if one.kind == "node_ended"][-1]
     before = [one for one in read_journal(whole.folder.journal) if one.kind == "node_ended"][-1]
     assert waited.time_s >= before.time_s
