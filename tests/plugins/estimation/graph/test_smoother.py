@@ -5,6 +5,7 @@ import pytest
 from executive_plugins.estimation.gate.measurements import Fix, Increment
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother import GraphSmoother
+from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import POSITION, Inertial, InertialState
 from executive_plugins.estimation.live.estimate import Estimate
@@ -193,3 +194,56 @@ def test_the_second_graph_gives_the_estimate_without_fixes() -> None:
     answer = rest.until(5.2, off_m=0.0, has_lidar=True)
     assert answer.mode == Mode.GLOBAL
     assert answer.state.p_map_imu == pytest.approx(Z, abs=0.02)
+
+
+@pytest.mark.parametrize("fallback", ["relative", "pseudo_global"])
+def test_a_graph_that_has_no_solution_begins_anew_at_the_last_good_estimate(
+    monkeypatch: pytest.MonkeyPatch, fallback: str
+) -> None:
+    rest = AtRest(fallback=fallback)
+    rest.until(1.0, off_m=0.0, has_lidar=True)
+    before = rest.until(3.0, has_lidar=True)
+    assert before.mode == Mode.FALLBACK
+    solve, fails = GraphWindow.solve, [True]
+
+    def solved(window: GraphWindow) -> None:
+        if fails.pop() if fails else False:
+            raise UnsolvableError("not positive definite")
+        solve(window)
+
+    monkeypatch.setattr(GraphWindow, "solve", solved)
+    count = len(rest.answers)
+    rest.until(3.2, has_lidar=True)
+    failed = rest.answers[count]
+    assert failed.refused == {"smoother: rebuilt": 1}
+    assert failed.state.stamp_s == before.state.stamp_s
+    assert failed.state.p_map_imu == pytest.approx(before.state.p_map_imu)
+    answer = rest.until(4.0, has_lidar=True)
+    assert rest.refused()["smoother: rebuilt"] == 1
+    assert answer.mode == Mode.FALLBACK
+    assert answer.state.stamp_s == 4.0
+    assert answer.state.p_map_imu == pytest.approx(Z, abs=0.05)
+
+
+def test_a_long_gap_during_an_outage_begins_both_graphs_anew() -> None:
+    rest = AtRest(fallback="pseudo_global")
+    rest.until(1.0, off_m=0.0, has_lidar=True)
+    before = rest.until(3.0, has_lidar=True)
+    rest.k += 200
+    rest.smoother.add_sample(Inertial(rest.now_s, Z, UP, 2.0))
+    answer = rest.until(rest.now_s + 0.6, has_lidar=True)
+    assert answer.mode == Mode.FALLBACK
+    assert answer.state.stamp_s == pytest.approx(rest.now_s)
+    grown = answer.covariance - before.covariance
+    assert np.diag(grown)[POSITION].min() > 1.9**2  # 1 m/s² over two seconds
+
+
+def test_a_fix_that_disagrees_with_those_before_it_ends_the_recovery() -> None:
+    rest = AtRest()
+    rest.until(1.0, off_m=0.0, has_lidar=True)
+    rest.until(3.0, has_lidar=True)
+    rest.until(3.4, off_m=0.0, has_lidar=True)
+    assert rest.modes()[-1] == (Mode.RECOVERING, "left is back")
+    rest.until(3.6, off_m=8.0, has_lidar=True)
+    assert rest.modes()[-1] == (Mode.FALLBACK, "left disagrees with those before it")
+    assert rest.refused()["left: during recovery"] == 3
