@@ -27,7 +27,7 @@ _FIRM_M = 0.05  # largest cost of a firm grasp
 _FEET = (1.0, 0.7, 0.4, 0.1)  # one for each drawn lift, see `PlanningCloud.body`
 _DRAWN = len(_FEET)
 # The number of lifts that a network's prediction counts for. Of 1, 2, 4 and 8 the second predicts
-# lifts in `nominal` best (Brier score, 32 stones).
+# lifts in `nominal` best (Brier score, 32 stones, with the network of lifts in `kind`).
 _PREDICTED = 2
 _SEED = 4  # any: all grasps of all stones are rehearsed with the same errors
 

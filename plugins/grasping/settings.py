@@ -96,7 +96,9 @@ class SampledCnnSettings(SampledPlannerSettings):
     needs: ClassVar[tuple[str, ...]] = ("machine", "motion")
 
     weights: str = Field(
-        "two_stream", description="Shipped weights two_stream or four_layer, or a safetensors file."
+        "two_stream",
+        description="Shipped weights, or a safetensors file: two_stream, of lifts in `nominal`; "
+        "two_stream_kind or four_layer, of lifts in `kind`.",
     )
     ranking: Literal["learned", "paper"] = Field(
         "learned",

@@ -66,7 +66,7 @@ def test_a_wheel_holds_the_data_of_its_packages(wheel: Path) -> None:
         assert wanted <= names
     weights = {
         f"executive_plugins/grasping/weights/m545_{n}.safetensors"
-        for n in ("two_stream", "four_layer")
+        for n in ("two_stream", "two_stream_kind", "four_layer")
     }
     assert {"executive/py.typed", "executive_plugins/py.typed", *weights} <= names
 

@@ -1,5 +1,6 @@
 """The networks: what they are told to ignore, what their files may hold, and half turns."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ from executive_plugins.grasping.classifier.outcome_net import (
     success,
 )
 from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.grasping.settings import SampledCnnSettings
+from safetensors import safe_open
 from safetensors.torch import save_file
 
 from executive.errors import DataError
@@ -84,3 +87,17 @@ def test_shipped_weights_are_small(architecture: Architecture) -> None:
     path = weights_file(architecture)
     assert type(load_net(path)) is type(new_net(architecture))
     assert path.stat().st_size < 10e6
+
+
+def test_the_card_of_the_default_weights_tells_lifts_like_those_of_a_mission() -> None:
+    """A prediction is a probability only for lifts like those that it has learned from."""
+    assumed = SampledCnnSettings()
+    with safe_open(weights_file(assumed.weights), framework="pt") as file:
+        card = json.loads(file.metadata()["card"])
+    labels = card["labels"]
+    assert labels["physics"] == assumed.physics == "nominal"
+    assert labels["arm_error_m"] == assumed.arm_error_m
+    assert labels["arm_error_rad"] == pytest.approx(assumed.arm_error_rad, rel=0.01)
+    assert (labels["seed"], labels["weights"]) == (16, "two_stream_kind")
+    assert card["training"]["start"] == "two_stream_kind"
+    assert card["learned"] == {"stones": 290, "grasps": 6960, "lifted": 0.43}
