@@ -32,6 +32,7 @@ def test_grids_grow_with_the_spacing_and_never_shrink_below_what_is_set() -> Non
     near, far = limits_for(settings, SIZES, 0.01), limits_for(settings, SIZES, 0.14)
     assert near == limits_for(settings, SIZES)
     for grid in ("voxel_m", "fine_voxel_m", "cell_m", "patch_m"):
+        assert getattr(near, grid) == getattr(settings, grid)
         assert getattr(far, grid) == pytest.approx(2 * getattr(near, grid))
     for size in ("least_height_m", "most_extent_m", "most_width_m", "heap_m"):
         assert getattr(far, size) == getattr(near, size)
