@@ -184,9 +184,7 @@ class Mission(NodeRuntime):
         self.memory.begin_tick(self._tick)
         with self.times.spent("tree"):
             self.root.tick_once()
-        cut, self._cut = self._cut, None
-        if cut is not None and not self._has_cut:  # nothing of the tree's moves the machine
-            self._fault(failure_of(cut))
+        self._cut = None  # where nothing moved the machine, the rule's wait is what is left
         if self._ending is None and self.root.status.value in ("SUCCESS", "FAILURE"):
             succeeded = self.root.status.value == "SUCCESS"
             self._ending = Ending(
@@ -216,7 +214,7 @@ class Mission(NodeRuntime):
         if decision.wish is Wish.STOP:
             self._fault(failure_of(decision))
         elif decision.wish is Wish.FAIL:
-            self._cut, self._has_cut = decision, False
+            self._cut = decision
         elif decision.wish is Wish.HOLD and self._hold is None:
             self._hold = Hold(decision.reason, now_s, state)
             self.record("", MissionHeld(decision.condition, decision.reason))

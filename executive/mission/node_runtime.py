@@ -56,7 +56,6 @@ class NodeRuntime(Runtime):
         self._tick = 0  # of the mission: it stands still in a pause
         self._ending: Ending | None = None
         self._cut: Decision | None = None  # leaves that move the machine fail for it in this tick
-        self._has_cut = False
         self.questions: list[Put] = []
         self.wishes = Wishes()
         plugins, machine = setup.assembly.plugins, setup.assembly.machine
@@ -149,7 +148,6 @@ class NodeRuntime(Runtime):
     def cut_short(self, parts: tuple[str, ...]) -> str:
         if self._cut is None or not joints_of(parts, self.services.machine):
             return ""
-        self._has_cut = True
         return f"watched condition '{self._cut.condition}': {self._cut.reason}"
 
     def keeps_failed(self, node: str, reason: str) -> bool:

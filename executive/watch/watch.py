@@ -115,7 +115,7 @@ class Watch:
         if broken.failed_s is None:
             told = f"{broken.reason}; motions have failed for that {rule.most} times before"
         elif now_s - broken.failed_s >= rule.wait - 1e-9:
-            told = f"{broken.reason}, {rule.wait:g} s after a motion has failed for that"
+            told = f"{broken.reason}, {rule.wait:g} s after its rule has acted"
         else:
             return Decision(Wish.GO_ON)
         return Decision(Wish.STOP, condition, told)

@@ -116,11 +116,13 @@ def test_a_motion_that_leaves_its_path_fails_and_the_tree_decides(run):
     assert done.status == 1
 
 
-def test_where_nothing_of_the_tree_moves_the_machine_the_mission_stops(run):
-    still = MISSION.replace("run: ScanSwing", "run: Localise").split("        with: {angle")[0]
-    done = run("", "watch.geofence={do: fail, radius: 2 m}", text=still)
+def test_where_no_motion_can_fail_the_mission_stops_when_the_wait_is_over(run):
+    still = MISSION.split("      - run: ScanSwing")[0] + "      - wait: 10 s\n"
+    done = run("", "watch.geofence={do: fail, radius: 2 m, wait: 3 s}", text=still)
     assert done.status == 3
-    assert "outside 2.00 m" in done.report["reason"]
+    assert "outside 2.00 m, 3 s after its rule has acted" in done.report["reason"]
+    stopped_s = done.first("faulted") - done.first("condition_broken")
+    assert stopped_s == pytest.approx(3.0, abs=0.06)
 
 
 def test_a_fault_of_a_plugin_raises_in_its_verb(run):

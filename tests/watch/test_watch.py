@@ -59,7 +59,7 @@ def test_what_stays_broken_after_a_motion_has_failed_for_it_stops_the_mission():
     decisions = [watch.step(SICK, float(i)) for i in range(5)]
     asked = [Wish.FAIL, Wish.GO_ON, Wish.GO_ON, Wish.STOP, Wish.STOP]
     assert [one.wish for one in decisions] == asked
-    told = f"{SICK['imu_cabin']}, 3 s after a motion has failed for that"
+    told = f"{SICK['imu_cabin']}, 3 s after its rule has acted"
     assert decisions[3].reason == told
 
 
