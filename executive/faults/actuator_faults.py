@@ -134,11 +134,12 @@ class Way:
         now_s: Returns the machine's time [s].
     """
 
+    _began_s: float  # of the newest path
+
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
         self._trajectory: JointTrajectory | None = None
         self._wanted: JointTrajectory | None = None
-        self._began_s = 0.0
 
     def take(self, given: Command, reaching: Command) -> None:
         """Take a command of the mission, and what of it has reached the robot."""

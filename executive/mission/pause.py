@@ -24,6 +24,11 @@ class Pause:
         wall_s: How long they took on the wall [s].
     """
 
+    # Of the newest pause: when it began, and when it ends once it is to end.
+    _since_wall_s: float
+    _began_s: float
+    _ends_s: float
+
     def __init__(
         self,
         clock: Clock,
@@ -45,9 +50,7 @@ class Pause:
         self._on_error = on_error
         self._rest = Rest()
         self._brake_s, self._held_s = brake_s, 0.0
-        self._since_wall_s = 0.0
-        self._began_s = 0.0
-        self._is_ending, self._ends_s = False, 0.0
+        self._is_ending = False
         self.stands = False
         self.count = 0
         self.wall_s = 0.0
