@@ -1,7 +1,7 @@
 """Look at what is in the jaws."""
 
 from collections.abc import Generator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -78,6 +78,19 @@ class SeeHeldSettings(Settings):
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a look says of how the stone lies.
+
+    Attributes:
+        aligned: The view, laid onto the model.
+        is_otherwise: What is seen is another surface than that of the stone where it is expected.
+    """
+
+    aligned: Alignment
+    is_otherwise: bool
+
+
 class SeeHeld(Action[SeeHeldSettings]):
     """Raise a held stone past the lidars, and correct its pose in the jaws by what they see.
 
@@ -86,8 +99,10 @@ class SeeHeld(Action[SeeHeldSettings]):
     centre, without those of the machine, are aligned with the stone's model from its expected pose.
     The returns are the source: a view from one side lies wholly on the model, and not vice versa.
     If the alignment is refused, or another form is seen, the stone may have slipped: it is sought
-    turned about the line through the tips, and lower. If it is found nowhere, or in two places,
-    this fails, and the expected pose is kept.
+    turned about the line through the tips, and lower. If it is found nowhere, or in two places, the
+    expected pose is kept. This fails if what is seen contradicts it: nobody knows how the stone
+    lies then, and it would be set down on an edge, or onto a neighbour. A view of too little
+    contradicts nothing.
     """
 
     needs = (Robot, Mapper, Aligner, MotionPlanner, ObjectDatabase)
@@ -104,14 +119,21 @@ class SeeHeld(Action[SeeHeldSettings]):
             return failed(moving)
         risen = yield from self._raise(hold)
         if not risen.success:
-            return failed(f"stone {hold.stone_id} was not seen in the jaws: {risen.reason}")
+            told = f"stone {hold.stone_id} was not seen in the jaws: {risen.reason}"
+            return succeeded(reason=told)
         view = yield from self.context.job(self.context.use(Mapper).held)
         model = held_surface(self.context, hold)
-        aligned = yield from self._seen(hold, model, view)
-        found = self._found(aligned, model)
-        self._record(hold, aligned, found, len(view))
+        look = yield from self._seen(hold, model, view)
+        found = self._found(look.aligned, model)
+        self._record(hold, look.aligned, found, len(view))
+        if found is None and look.is_otherwise:
+            return failed(
+                f"stone {hold.stone_id} does not lie in the jaws as expected, and how it lies is "
+                f"not known: {look.aligned.reason}"
+            )
         if found is None:
-            return failed(f"kept the expected pose of stone {hold.stone_id}: {aligned.reason}")
+            told = f"kept the expected pose of stone {hold.stone_id}: {look.aligned.reason}"
+            return succeeded(reason=told)
         self._correct(hold, found)
         return succeeded(
             reason=f"{100 * found.shift_m:.1f} cm and {np.degrees(found.turn_rad):.1f}° from where "
@@ -154,16 +176,17 @@ class SeeHeld(Action[SeeHeldSettings]):
             if are_on:
                 robot.command(SwitchLidars(False))
 
-    def _seen(self, hold: Hold, model: Float, view: Cloud) -> Generator[Any, Any, Alignment]:
+    def _seen(self, hold: Hold, model: Float, view: Cloud) -> Generator[Any, Any, Look]:
         """Lay the view onto the model where it is expected, or as a stone that slipped may lie."""
         s = self.settings
-        first, form = yield from self._aligned(model, view, np.eye(4))
-        if first.accepted and form.log_ratio < -np.log(s.max_unlikelihood):
+        first, form = yield from self._aligned(model, view, np.eye(4), judge_refused=True)
+        is_otherwise = form.log_ratio < -np.log(s.max_unlikelihood)
+        if first.accepted and is_otherwise:
             words = f"{form.alike:.0%} of what is seen in the jaws has the form of the stone"
             first = replace(first, accepted=False, reason=words)
         turn_rad = angle_between(first.T_target_source[:3, :3], np.eye(3))
         if not len(view) or (first.accepted and turn_rad <= STEP_RAD):
-            return first
+            return Look(first, is_otherwise)
         found = [(form.log_ratio, first)] if first.accepted else []
         tips = self.context.machine().gripper.tips(hold.jaw_rad)
         down = -self.context.gripper()[2, :3]
@@ -172,15 +195,16 @@ class SeeHeld(Action[SeeHeldSettings]):
             if aligned.accepted and form.log_ratio >= np.log(s.min_likelihood):
                 found.append((form.log_ratio, aligned))
         if not found:
-            return first
+            return Look(first, is_otherwise)
         best_log, best = max(found, key=lambda one: one[0])
         rivals = (one for log, one in found if best_log - log < np.log(s.min_likelihood))
         if any(_is_apart(best, one, model.mean(axis=0)) for one in rivals):
-            return replace(best, accepted=False, reason="it may lie in the jaws in two ways")
-        return best
+            words = "it may lie in the jaws in two ways"
+            return Look(replace(best, accepted=False, reason=words), is_otherwise=True)
+        return Look(best, is_otherwise=False)
 
     def _aligned(
-        self, model: Float, view: Cloud, T_model_view: Float
+        self, model: Float, view: Cloud, T_model_view: Float, *, judge_refused: bool = False
     ) -> Generator[Any, Any, tuple[Alignment, FormEvidence]]:
         """Lay the view onto the model from a start, and compare their forms."""
         reach_m = self.settings.max_distance
@@ -188,7 +212,7 @@ class SeeHeld(Action[SeeHeldSettings]):
             self.context.use(Aligner).align,
             *(Cloud("gripper", model), view, T_model_view, reach_m),
         )
-        if not aligned.accepted:
+        if not (aligned.accepted or (judge_refused and len(view))):
             return aligned, FormEvidence(0.0, 0.0)
         seen = aligned.apply(view.points)
         return aligned, (

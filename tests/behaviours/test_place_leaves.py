@@ -453,6 +453,8 @@ def test_a_view_of_another_form_is_not_the_stone(stage, world, database):
     plugins(world)["mapping"].seen = middle + (model - middle) * [0.8, 0.8, 1.0] + [0.05, 0, 0]
     ended = world.tick(SeeHeld, hold=world.hold)
     assert ended.status == "FAILURE"
+    told = "stone 1 does not lie in the jaws as expected, and how it lies is not known: "
+    assert ended.reason.startswith(told)
     assert "of what is seen in the jaws has the form of the stone" in ended.reason
     np.testing.assert_array_equal(database.stone(1).T_map_object, before)
     assert [(one.accepted, one.shift_m) for one in ended.events] == [(False, None)]
@@ -462,7 +464,7 @@ def test_a_view_that_is_refused_keeps_the_expected_pose(stage, world, database):
     before = database.stone(1).T_map_object
     seen_in_jaws(stage, world, pose(t=np.array([-0.2, 0.0, 0.0])), accepted=False)
     ended = world.tick(SeeHeld, hold=world.hold)
-    assert ended.status == "FAILURE"
+    assert ended.status == "SUCCESS"
     assert ended.reason == "kept the expected pose of stone 1: rmse 5 cm above 4"
     np.testing.assert_array_equal(database.stone(1).T_map_object, before)
     assert [(one.accepted, one.shift_m) for one in ended.events] == [(False, None)]
@@ -471,7 +473,7 @@ def test_a_view_that_is_refused_keeps_the_expected_pose(stage, world, database):
 def test_a_stone_that_cannot_be_raised_is_not_looked_at(world, database):
     plugins(world)["alignment"] = None
     ended = world.tick(SeeHeld, hold=world.hold)
-    assert ended.status == "FAILURE"
+    assert ended.status == "SUCCESS"
     assert "no path up: the boom would hit stone 2" in ended.reason
     assert ended.events == []
 
