@@ -88,7 +88,7 @@ def is_refuted(around: Cloud, model: Float, settings: FormSettings) -> bool:
     if form.alike > _OTHER[0] and form.log_ratio >= -sure:
         return False
     own = _own_evidence(around.points, model, settings.max_distance)
-    return own.alike <= _OTHER[0] or own.log_ratio < sure
+    return bool(own.alike <= _OTHER[0] or own.log_ratio < sure)
 
 
 def form_evidence(points: Float, model: Float, reach_m: float, hangs: bool = False) -> FormEvidence:
