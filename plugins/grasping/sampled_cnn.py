@@ -5,12 +5,12 @@ faster.
 """
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from executive_plugins.grasping.classifier.grasp_features import features_of
 from executive_plugins.grasping.classifier.grasp_images import draw_images, image_cube
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.sampled_planner import Order, SampledPlanner
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool
@@ -20,14 +20,6 @@ from executive.arrays import Bool
 from executive.config import Settings
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.machine import Machine
-
-_SHIPPED = Path(__file__).parent / "weights"
-
-
-def weights_file(name: str) -> Path:
-    """Return the file of shipped weights with a name, or else the name as a path."""
-    shipped = _SHIPPED / f"m545_{name}.safetensors"
-    return shipped if shipped.exists() else Path(name)
 
 
 class SampledCnn(SampledPlanner):

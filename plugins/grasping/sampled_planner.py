@@ -13,7 +13,13 @@ from executive_plugins.grasping.feasibility.fcl_check import FclCheck
 from executive_plugins.grasping.rehearsal import Rehearsed, rehearsal_of
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
-from executive_plugins.grasping.sampling.ranking import Costs, ranked_rounds, spread
+from executive_plugins.grasping.sampling.ranking import (
+    SPREAD_M,
+    SPREAD_RAD,
+    Costs,
+    ranked_rounds,
+    spread,
+)
 from executive_plugins.grasping.settings import SampledPlannerSettings
 from executive_plugins.grasping.simulated_lift import SimulatedLift
 from executive_plugins.physics.belief import belief_of
@@ -33,7 +39,6 @@ _FEW_POINTS = 20  # with fewer points the shape of a stone is unknown
 # Stop simulating once this many grasps are firm: one for each attempt of a mission that tries a
 # stone three times, and one whose path is blocked.
 _ENOUGH = 4
-SPREAD_M, SPREAD_RAD = 0.10, np.radians(20.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

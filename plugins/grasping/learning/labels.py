@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from executive_plugins.grasping.classifier.grasp_features import features_of
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.learning.lift_trials import SHIFT_M, TURN_RAD, LiftTrials
 from executive_plugins.grasping.learning.training_scene import (
     at_rest,
@@ -20,11 +21,14 @@ from executive_plugins.grasping.learning.training_scene import (
     look_at,
     neighbour_place,
 )
-from executive_plugins.grasping.sampled_cnn import weights_file
-from executive_plugins.grasping.sampled_planner import SPREAD_M, SPREAD_RAD
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
-from executive_plugins.grasping.sampling.ranking import ranked_rounds, spread
+from executive_plugins.grasping.sampling.ranking import (
+    SPREAD_M,
+    SPREAD_RAD,
+    ranked_rounds,
+    spread,
+)
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.simulated_lift import LIFTED_M
 from executive_plugins.physics.quarried_block import block

@@ -15,8 +15,8 @@ from executive_plugins.grasping.classifier.outcome_net import (
     new_net,
     success,
 )
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.learning.labels import GRAY_LEVELS, Labels
-from executive_plugins.grasping.sampled_cnn import weights_file
 from numpy.typing import NDArray
 from pydantic import Field
 from scipy.stats import rankdata

@@ -9,6 +9,8 @@ from executive_plugins.grasping.sampling.jaw_field import JawField
 from executive.arrays import Float, Int
 
 Costs = Mapping[str, Float]
+# Grasps that are nearer to each other than both are one grasp to a planner that spreads its trials.
+SPREAD_M, SPREAD_RAD = 0.10, np.radians(20.0)
 
 
 def paper_costs(R: Float, position: Float, centre: Float, ground_normal: Float) -> dict[str, Float]:

@@ -9,10 +9,11 @@ import numpy as np
 from bounds import Bound, Figure, held
 from executive_plugins.grasping.classifier.grasp_features import features_of
 from executive_plugins.grasping.classifier.outcome_net import load_net, success
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.learning.labels import chosen_for_lifts, network_first
 from executive_plugins.grasping.learning.lift_trials import LiftTrials
 from executive_plugins.grasping.learning.training import area_under_curve
-from executive_plugins.grasping.sampled_cnn import SampledCnn, weights_file
+from executive_plugins.grasping.sampled_cnn import SampledCnn
 from executive_plugins.grasping.sampling.pool import Sampler
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.settings import SampledCnnSettings

@@ -12,11 +12,11 @@ import numpy as np
 from bounds import Bound, Figure, held
 from executive_plugins.grasping.classifier.grasp_features import features_of
 from executive_plugins.grasping.classifier.outcome_net import load_net, success
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.learning.labels import LabelSettings, chosen_for_lifts
 from executive_plugins.grasping.learning.lift_trials import LiftTrials
 from executive_plugins.grasping.learning.training import area_under_curve
 from executive_plugins.grasping.learning.training_scene import Solid, look_at
-from executive_plugins.grasping.sampled_cnn import weights_file
 from executive_plugins.grasping.sampling.pool import Sampler
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 from executive_plugins.grasping.simulated_lift import LIFTED_M

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from bounds import Bound, Figure, held
-from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.robot.mujoco.site.stone_meshes import mesh_files, read_skin
 
 from executive.geometry.solid import volume_and_centroid

@@ -15,7 +15,7 @@ from executive_plugins.grasping.classifier.outcome_net import (
     save_net,
     success,
 )
-from executive_plugins.grasping.sampled_cnn import weights_file
+from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.settings import SampledCnnSettings
 from safetensors import safe_open
 from safetensors.torch import save_file
