@@ -20,7 +20,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.follow import follow
-from executive.leaf.form_evidence import FormEvidence, form_evidence
+from executive.leaf.form_evidence import ALIKE_OF_ANOTHER, FormEvidence, form_evidence
 from executive.leaf.held_pose import HeldPose, held_pose
 from executive.leaf.held_starts import STEP_RAD, held_starts
 from executive.leaf.memory import OnResume
@@ -84,7 +84,9 @@ class Look:
 
     Attributes:
         aligned: The view, laid onto the model.
-        is_otherwise: What is seen is another surface than that of the stone where it is expected.
+        is_otherwise: The view is another surface than the stone's where it comes nearest to it. One
+            that lies on the stone near where it is expected, and has its form for the most part,
+            may show sides of another form: the underside, which nobody has seen before.
     """
 
     aligned: Alignment
@@ -180,8 +182,9 @@ class SeeHeld(Action[SeeHeldSettings]):
         """Lay the view onto the model where it is expected, or as a stone that slipped may lie."""
         s = self.settings
         first, form = yield from self._aligned(model, view, np.eye(4), judge_refused=True)
-        is_otherwise = form.log_ratio < -np.log(s.max_unlikelihood)
-        if first.accepted and is_otherwise:
+        is_another = form.log_ratio < -np.log(s.max_unlikelihood)
+        is_otherwise = is_another and not (first.accepted and form.alike > ALIKE_OF_ANOTHER)
+        if first.accepted and is_another:
             words = f"{form.alike:.0%} of what is seen in the jaws has the form of the stone"
             first = replace(first, accepted=False, reason=words)
         turn_rad = angle_between(first.T_target_source[:3, :3], np.eye(3))

@@ -21,6 +21,7 @@ _CLUTTER_M = 0.06  # from which a patch is of something else beside the stone
 # seven placed stones of a mission had 0.971, 0.006, 0.023.
 _KNOWN, _OTHER = np.array([0.95, 0.01, 0.04]), np.array([0.55, 0.30, 0.15])
 _GAIN = np.log(_KNOWN / _OTHER)
+ALIKE_OF_ANOTHER = float(_OTHER[0])  # share of patches that are alike where another stone lies
 
 
 class FormSettings(Settings):
@@ -85,10 +86,10 @@ def is_refuted(around: Cloud, model: Float, settings: FormSettings) -> bool:
     """
     form = form_evidence(around.points, model, settings.max_distance)
     sure = np.log(settings.min_likelihood)
-    if form.alike > _OTHER[0] and form.log_ratio >= -sure:
+    if form.alike > ALIKE_OF_ANOTHER and form.log_ratio >= -sure:
         return False
     own = _own_evidence(around.points, model, settings.max_distance)
-    return bool(own.alike <= _OTHER[0] or own.log_ratio < sure)
+    return bool(own.alike <= ALIKE_OF_ANOTHER or own.log_ratio < sure)
 
 
 def form_evidence(points: Float, model: Float, reach_m: float, hangs: bool = False) -> FormEvidence:

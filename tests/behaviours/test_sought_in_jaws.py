@@ -24,7 +24,8 @@ HERE, THERE = pose(t=np.array([0.1, 0.0, 0.0])), pose(t=np.array([0.3, 0.0, 0.0]
 class Jaws:
     """A look whose alignments are given: first at the expected pose, then from each start."""
 
-    def __init__(self, fakes, stage, monkeypatch, found, refused_log=0.0):
+    def __init__(self, fakes, stage, monkeypatch, found, refused_log=0.0, alike=0.25):
+        self.alike = alike
         self.refused_log = refused_log  # of a view whose alignment is refused
         self.found, self.starts, self.likely = found, [], []
         monkeypatch.setattr(see_held, "form_evidence", self._form)
@@ -45,7 +46,7 @@ class Jaws:
         assert hangs
         np.testing.assert_array_equal(model, MODEL)
         assert reach_m == 0.3
-        return FormEvidence(self.likely[-1], 0.25)
+        return FormEvidence(self.likely[-1], self.alike)
 
     def seen(self, view=VIEW):
         self.view = view
@@ -125,6 +126,9 @@ def test_another_form_where_the_stone_is_expected_is_told_and_the_stone_sought(j
     told = "25% of what is seen in the jaws has the form of the stone"
     assert (found.aligned.accepted, found.aligned.reason) == (False, told)
     assert found.is_otherwise
+    for alike, is_otherwise in ((0.55, True), (0.56, False)):  # as much as where another one lies
+        look = jaws({0: (HERE, -LOG_1000 - 0.01)}, alike=alike)
+        assert look.seen().is_otherwise is is_otherwise
     assert len(look.starts) > 20
     assert jaws({0: (HERE, -LOG_1000)}).seen().aligned.accepted
 
