@@ -6,6 +6,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float
+from executive.errors import DataError
+from executive.geometry.polygon import contains, outline_of
 from executive.geometry.voxels import voxel_means
 from executive.messages.stone import Stone
 
@@ -38,7 +40,11 @@ def surroundings(
 
 
 def unexplained(
-    points_map: Float, neighbours: Sequence[Stone], distance_m: float, ground_m: float
+    points_map: Float,
+    neighbours: Sequence[Stone],
+    distance_m: float,
+    ground_m: float,
+    own: Stone | None = None,
 ) -> Float:
     """Return the points of the map that do not lie on a neighbour's model, shape (M, 3).
 
@@ -47,13 +53,17 @@ def unexplained(
         neighbours: Stones whose points are left out.
         distance_m: A point this near to a model is of that stone [m].
         ground_m: Height above the lowest point of a model below which points are kept, because
-            they may be of the ground [m].
+            they may be of the ground [m]. There is none at the foot of a stone that rests on
+            another one.
+        own: The stone whose points are kept, on which a neighbour may rest.
     """
+    bases = [*neighbours, *([] if own is None else [own])]
     for stone in neighbours:
         if len(points_map):
-            points_map = points_map[
-                ~_is_explained(points_map, stone.points_map, distance_m, ground_m)
-            ]
+            rests = any(_rests_on(stone, base, ground_m) for base in bases if base is not stone)
+            is_explained = _is_explained(points_map, stone.points_map, distance_m)
+            is_above = points_map[:, 2] > stone.points_map[:, 2].min() + ground_m
+            points_map = points_map[~(is_explained & (is_above | rests))]
     return points_map
 
 
@@ -67,9 +77,22 @@ def _is_within(stone: Stone, centre_map: Float, radius_m: float) -> Bool:
     return np.asarray(np.linalg.norm(stone.points_map - centre_map, axis=1) <= radius_m)
 
 
-def _is_explained(points: Float, model: Float, distance_m: float, ground_m: float) -> Bool:
+def _rests_on(stone: Stone, base: Stone, ground_m: float) -> bool:
+    """Return whether a stone rests on another one, which is below it and reaches farther down."""
+    foot_m = stone.points_map[:, 2].min()
+    if base.points_map[:, 2].min() > foot_m - ground_m:
+        return False
+    below = base.points_map[base.points_map[:, 2] < foot_m + ground_m]
+    try:
+        outline = outline_of(stone.points_map)
+    except DataError:  # a few points on one line: there is nothing that could rest
+        return False
+    return bool(contains(outline, below[:, :2]).any())
+
+
+def _is_explained(points: Float, model: Float, distance_m: float) -> Bool:
     distances, _ = cKDTree(model).query(points, distance_upper_bound=distance_m)
-    return np.asarray(np.isfinite(distances) & (points[:, 2] > model[:, 2].min() + ground_m))
+    return np.asarray(np.isfinite(distances))
 
 
 def _is_in_box(points: Float, model: Float, cell_m: float, ground_m: float) -> Bool:

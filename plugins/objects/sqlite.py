@@ -207,9 +207,10 @@ class SqliteObjects(ObjectDatabase):
 
     def unexplained(self, map_cloud: Cloud, stone_id: int, radius_m: float) -> Cloud:
         """Return the map around a stone without the points of other lying stones."""
-        around = map_cloud.near(self.stone(stone_id).centroid_map, radius_m)
+        own = self.stone(stone_id)
+        around = map_cloud.near(own.centroid_map, radius_m)
         s, others = self._settings, self._lying(stone_id)
-        points = unexplained(around.points, others, s.explained_m, s.ground_m)
+        points = unexplained(around.points, others, s.explained_m, s.ground_m, own)
         return Cloud(map_cloud.frame, points)
 
     def surface_within(

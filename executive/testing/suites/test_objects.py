@@ -1,6 +1,7 @@
 """What every object database must do, whatever its store."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -225,6 +226,22 @@ def test_what_lying_neighbours_explain_is_left_out_but_not_ground_nor_what_is_he
     assert (left.points[:, 2] < -0.02).sum() == (near & is_ground).sum()
     with pytest.raises(DataError, match="9"):
         database.unexplained(cloud, 9, 2.0)
+
+
+def test_the_foot_of_a_neighbour_that_rests_on_a_stone_is_no_ground(
+    database: ObjectDatabase,
+) -> None:
+    base, upper, beside = boulder(5, 0), boulder(5.4, 0), boulder(6.4, 0)
+    rise = np.array([0.0, 0.0, np.ptp(base.points[:, 2])])
+    raised = replace(upper, points=upper.points + rise, centroid=upper.centroid + rise)
+    database.observe([base, raised, beside], 1.0, False)
+    cloud = Cloud("map", np.vstack([base.points, raised.points, beside.points]))
+    left = database.unexplained(cloud, 1, 2.0)
+    assert within(left.points, base.points.mean(axis=0), 0.6) > 300
+    high = left.points[:, 2] > base.points[:, 2].max() + 0.02
+    assert not high.any()
+    # The foot of the one that stands on the ground beside them is kept.
+    assert (left.points[:, 0] > base.points[:, 0].max() + 0.3).any()
 
 
 def test_what_a_sphere_takes_from_lying_stones_is_known(database: ObjectDatabase) -> None:
