@@ -13,7 +13,7 @@ from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.registration import Registrar
 from executive.leaf.action import Action, Steps
-from executive.leaf.fitting import FittingSettings, fit
+from executive.leaf.fitting import Fitted, FittingSettings, fit
 from executive.leaf.form_evidence import is_refuted
 from executive.leaf.lost import mark_lost
 from executive.leaf.memory import OnResume
@@ -60,7 +60,7 @@ class CheckPlaced(Action[CheckPlacedSettings]):
             fitted = yield from fit(self.context, stone, self.settings)
             off_m = fitted.shift_m(stone)
             wrong = f"is not seen at its place: {fitted.refusal}" if fitted.refusal else ""
-            if wrong and not (yield from self._is_refuted(stone)):
+            if wrong and not (yield from self._is_refuted(stone, fitted)):
                 doubtful += 1
                 continue
             if not wrong and off_m > self.settings.position:
@@ -75,10 +75,19 @@ class CheckPlaced(Action[CheckPlacedSettings]):
         told += f", {beyond} are beyond the map" if beyond else ""
         return succeeded(reason=f"{len(mapped) - doubtful} stones are seen at their places{told}")
 
-    def _is_refuted(self, stone: Stone) -> Generator[Any, Any, bool]:
+    def _is_refuted(self, stone: Stone, fitted: Fitted) -> Generator[Any, Any, bool]:
+        """Ask of the surface where it was aligned: a stone with another on it has moved a little.
+
+        The few centimetres by which it sank or turned, well within `position`, would be another
+        form.
+        """
+        is_aligned = fitted.alignment.accepted and fitted.shift_m(stone) <= self.settings.position
+        surface = stone.points_map
+        if is_aligned:
+            surface = fitted.alignment.apply(surface)
         radius_m = float(np.linalg.norm(np.ptp(stone.points_map[:, :2], axis=0)))
         around = yield from unexplained(self.context, stone.id, radius_m)
-        return (yield from self.context.job(is_refuted, around, stone.points_map, self.settings))
+        return (yield from self.context.job(is_refuted, around, surface, self.settings))
 
 
 def _mapped(stones: Sequence[Stone], cloud: Cloud, least: float) -> Sequence[Stone]:

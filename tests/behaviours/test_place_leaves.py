@@ -1,5 +1,7 @@
 """Leaves that set a stone down and look whether it is there, ticked to success and to failure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
@@ -873,6 +875,27 @@ def test_a_placed_stone_of_which_a_sparse_map_shows_a_little_is_in_doubt_and_not
         "0 stones are seen at their places, 1 are neither confirmed nor refuted",
     )
     assert database.stone(1).state is StoneState.PLACED
+
+
+@pytest.mark.parametrize(("is_aligned", "status"), [(True, "SUCCESS"), (False, "FAILURE")])
+def test_a_placed_stone_that_a_later_one_has_pushed_down_is_asked_for_where_it_is(
+    stage, world, database, is_aligned, status
+):
+    """The sparse map shows its form 4 cm away, which only the alignment knows."""
+    set_down(world, database, realigned=pose())
+    own = database.stone(1).points_map
+    moved = pose(t=np.array([0.0, 0.0, -0.04]))
+    few = own[own[:, 2] > np.median(own[:, 2])][::8]
+    plugins(world).update(
+        mapping=stage.PointMap(
+            np.vstack([transform(moved, few), own[own[:, 2] < own[:, 2].min() + 0.1]])
+        ),
+        alignment=stage.Scripted(
+            Aligner, align=replace(alignment(is_aligned), T_target_source=moved)
+        ),
+        registration=stage.Scripted(Registrar, find=alignment(False)),
+    )
+    assert world.tick(CheckPlaced).status == status
 
 
 def test_a_placed_stone_beyond_the_map_is_not_lost(stage, world, database):
