@@ -29,9 +29,9 @@ from pathlib import Path
 from mutants.baseline import Baseline, RedWithoutFaultError
 from mutants.fault import Fault
 from mutants.faults_of import drawn
-from mutants.reach_map import LANE, MappedTest, is_at_import, up_to_date
+from mutants.reach_map import MappedTest, is_at_import, up_to_date
 from mutants.related_tests import related
-from mutants.tree_copy import Ran, TreeCopy
+from mutants.tree_copy import LANE, Ran, TreeCopy
 
 ROOT = Path(__file__).parents[1]
 USAGE = """examples:
@@ -118,6 +118,7 @@ class Judge:
     def judge(self, fault: Fault) -> Verdict:
         """Plant a fault, run its tests, and return what became of it."""
         copy = self._copy()
+        copy.collect()
         source = (copy.root / fault.file).read_bytes()
         stages = related(copy.root, fault.file)
         reaching = self._map.tests_of(fault, source, [name for one in stages for name in one])
@@ -174,10 +175,10 @@ class Judge:
         """Run tests with a fault; again with more time where they are nearly as slow without it."""
         while True:
             with copy.with_source(fault.file, fault.planted(source)):
-                ran = copy.run_only(names, limit_s, is_compiled(source))
+                ran = copy.run_only(names, limit_s)
             if ran.status is not None or limit_s > MOST_S:
                 return ran
-            without = copy.run_only(names, limit_s, is_compiled(source))
+            without = copy.run_only(names, limit_s)
             if without.status is not None and 3.0 * without.seconds < limit_s:
                 return ran
             limit_s *= 4.0  # the computer is busy
@@ -198,7 +199,7 @@ class Judge:
             except RedWithoutFaultError as error:
                 return NOT_JUDGED, str(error), seconds
             with copy.with_source(fault.file, fault.planted(source)):
-                ran = copy.run(stage, limit_s, is_compiled(source))
+                ran = copy.run(stage, limit_s)
             seconds += ran.seconds
             if not ran.is_green:
                 status = TIMED_OUT if ran.status is None else KILLED
@@ -212,9 +213,7 @@ class Judge:
         """Return whether an exception in place of the statement turns the tests red."""
         with copy.with_source(fault.file, fault.exposed(source)):
             return any(
-                not copy.run(
-                    stage, self._baseline.limit_s(copy, stage), is_compiled(source)
-                ).is_green
+                not copy.run(stage, self._baseline.limit_s(copy, stage)).is_green
                 for stage in stages
             )
 
@@ -230,11 +229,6 @@ class Judge:
         """Remove the copies."""
         for copy in self._copies:
             copy.close()
-
-
-def is_compiled(source: bytes) -> bool:
-    """Return whether a file holds functions that are compiled, and cached so by their callers."""
-    return b"njit" in source
 
 
 def without_equivalents(faults: Iterable[Fault], root: Path) -> list[Fault]:

@@ -6,6 +6,7 @@ import json
 import os
 from pathlib import Path
 
+import psutil
 import pytest
 
 TESTS = Path(__file__).parent
@@ -334,6 +335,125 @@ def test_code_is_compiled_once_and_a_fault_is_noticed_all_the_same(load, tmp_pat
             assert not copy.run(["tests"], 60.0).is_green
         assert copy.run(["tests"], 60.0).is_green
         assert compiled.read_bytes() == kept
+
+
+def test_what_hangs_is_ended_with_what_it_started_and_the_next_run_is_not_disturbed(
+    load, tmp_path
+) -> None:
+    test = (
+        "import subprocess, time\n\n\ndef test_hang():\n"
+        "    started = subprocess.Popen(['sleep', '60'])\n"
+        "    open('id', 'w').write(str(started.pid))\n    time.sleep(60)\n"
+    )
+    root = project(tmp_path / "tree", test)
+    with load("mutants.tree_copy").TreeCopy(root) as copy:
+        ran = copy.run(["tests/test_sums.py::test_hang"], 3.0)
+        assert (ran.status, ran.first_failure, ran.is_green) == (None, "", False)
+        started = (copy.root / "id").read_text()
+        assert not Path("/proc", started).exists() or psutil.Process(int(started)).status() in (
+            psutil.STATUS_ZOMBIE,
+            psutil.STATUS_DEAD,
+        )
+        assert copy.run(["tests/test_sums.py::test_more"], 60.0).is_green
+
+
+LOADED = """from functools import cache, wraps
+
+TABLE = [n * 2 for n in range(3)]
+
+
+def at_import(a):
+    return a + 1
+
+
+BASE = at_import(4)
+
+
+def twice(function):
+    @wraps(function)
+    def called(a):
+        return function(a) + function(a)
+
+    return called
+
+
+@twice
+def sum_of(a, step=2):
+    return a + step
+
+
+@cache
+def kept(a):
+    return [one - 1 for one in a]
+
+
+class Counter:
+    limit = 3
+
+    @property
+    def left(self):
+        return self.limit - 1
+"""
+CALLS = """from executive.loaded import *
+
+
+def test_all():
+    assert (TABLE, BASE, sum_of(1), kept((5,)), Counter().left) == ([0, 2, 4], 5, 6, [4], 2)
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_in_a_fork"),
+    [
+        ("a + step", "a - step", True),
+        ("function(a) + function(a)", "function(a) - function(a)", True),
+        ("one - 1", "one + 1", True),
+        ("self.limit - 1", "self.limit + 1", True),
+        ("step=2", "step=3", False),
+        ("a + 1", "a - 1", False),
+        ("n * 2", "n / 2", False),
+        ("limit = 3", "limit = 4", False),
+    ],
+)
+def test_a_fault_in_what_is_loaded_is_noticed_and_one_at_the_import_refused(
+    load, tmp_path, before, after, is_in_a_fork
+) -> None:
+    root = project(tmp_path / "tree", "")
+    (root / "executive" / "loaded.py").write_text(LOADED)
+    (root / "tests" / "test_loaded.py").write_text(CALLS)
+    names = ["tests/test_loaded.py::test_all"]
+    with load("mutants.tree_copy").TreeCopy(root) as copy:
+        copy.collect()
+        assert copy.run_collected(names, 60.0).is_green
+        with copy.with_source("executive/loaded.py", LOADED.replace(before, after).encode()):
+            ran = copy.run_collected(names, 60.0)
+            assert (ran is not None) == is_in_a_fork
+            assert ran is None or ran.first_failure == "FAILED tests/test_loaded.py::test_all"
+            assert not copy.run_only(names, 60.0).is_green
+        assert copy.run_collected(names, 60.0).is_green  # a fork leaves nothing behind
+        assert copy.run_collected(["tests/test_loaded.py::test_none"], 60.0) is None
+
+
+def test_compiled_functions_of_what_imports_a_file_are_set_aside_while_it_is_wrong(
+    load, tmp_path
+) -> None:
+    root = project(tmp_path / "tree", "")
+    package = root / "executive"
+    (package / "sums.py").write_text("njit = str\n")
+    (package / "users.py").write_text("from executive.sums import njit\n")
+    (package / "far.py").write_text("def late():\n    from executive import users\n")
+    (package / "other.py").write_text("")
+    with load("mutants.tree_copy").TreeCopy(root) as copy:
+        cache = copy.root / "executive" / "__pycache__"
+        kept = [cache / f"{name}.f-1.py311.nbi" for name in ("sums", "users", "far", "other")]
+        for file in kept:
+            file.write_text(file.name)
+        with copy.with_source("executive/sums.py", b"njit = int\n"):
+            assert [file.is_file() for file in kept] == [False, False, False, True]
+            kept[1].write_text("compiled with the fault")
+            (cache / "far.g-2.py311.1.nbc").write_text("so is this")
+        assert [file.read_text() for file in kept] == [file.name for file in kept]
+        assert sorted(cache.glob("*.nb?")) == sorted(kept)
 
 
 @pytest.mark.parametrize(("called", "ends"), [("Good().check()", 0), ("Good", 1)])

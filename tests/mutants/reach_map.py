@@ -14,9 +14,8 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from mutants.fault import Fault
-from mutants.tree_copy import TreeCopy
+from mutants.tree_copy import LANE, TreeCopy
 
-LANE = "not mission and not slow"
 PARALLEL = ("--numprocesses", "auto", "--dist", "loadfile")
 _MOST_S = 7200.0
 

@@ -31,7 +31,7 @@ def related(root: Path, file: str) -> list[tuple[str, ...]]:
     wide += [test for beside, of in BESIDE.items() if path.is_relative_to(beside) for test in of]
     others = [
         p.as_posix()
-        for p in _importing(root, _module(path))
+        for p in _importing(root, module_of(path))
         if not any(p.is_relative_to(folder) for folder in (*near, *wide))
     ]
     stages = [[p.as_posix() for p in near], [p for p in wide if (root / p).exists()]]
@@ -59,7 +59,8 @@ def _mirror(root: Path, path: Path) -> Path:
     return Path("tests")
 
 
-def _module(path: Path) -> str:
+def module_of(path: Path) -> str:
+    """Return the name of the module that a file of the tree is."""
     parts = list(path.with_suffix("").parts)
     parts = parts[:-1] if parts[-1] == "__init__" else parts
     return ".".join([{"plugins": "executive_plugins"}.get(parts[0], parts[0]), *parts[1:]])

@@ -5,20 +5,26 @@ import json
 import os
 import py_compile
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+
+from mutants.forks import REFUSED
+from mutants.importers import Importers
+from mutants.run_server import RunServer
 
 PARTS = ("executive", "plugins", "robot_models", "trees", "tests", "docs", "build/typing")
 CODE = ("executive", "plugins")
 FILES = ("*.toml", "*.py", "*.md", "Makefile", "LICENSE", "*.cff", ".ci")
 TESTS = Path(__file__).parents[1]  # pytest loads two plugins of this folder
+LANE = "not mission and not slow"
+PYTEST = ("-q", "-p", "no:cacheprovider")
 NOTHING_COLLECTED = 5  # pytest's status
 
 
@@ -55,7 +61,11 @@ class TreeCopy:
 
     def __init__(self, root: Path) -> None:
         self._folder = Path(tempfile.mkdtemp(prefix="mutants-"))
-        self._running: subprocess.Popen[str] | None = None
+        self._server: RunServer | None = None
+        self._collected: RunServer | None = None
+        self._is_collected = False
+        self._planted: tuple[str, bytes] | None = None  # a file that is changed, and as it was
+        self._importers: Importers | None = None
         self.root = self._folder / "tree"
         self.root.mkdir()
         for part in PARTS:
@@ -87,15 +97,15 @@ class TreeCopy:
 
     def close(self) -> None:
         """End the tests that still run, and remove the copy."""
-        if self._running is not None and self._running.poll() is None:
-            os.killpg(self._running.pid, signal.SIGKILL)
+        for server in (self._server, self._collected):
+            if server is not None:
+                server.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def run(
         self,
         tests: Sequence[str],
         limit_s: float,
-        fresh_compiled: bool = False,
         variables: Mapping[str, str] = MappingProxyType({}),
     ) -> Ran:
         """Run tests up to the first that fails.
@@ -103,53 +113,86 @@ class TreeCopy:
         Args:
             tests: What pytest is given.
             limit_s: Time after which the tests are ended.
-            fresh_compiled: Whether to compile everything anew, apart from the caches of the copy:
-                the cache of a function does not notice a change of what it calls.
             variables: Added to the environment.
         """
+        if self._server is None:
+            words = [sys.executable, "-m", "mutants.fork_server"]
+            self._server = RunServer(words, self.root, self._environment())
+        begun_s = time.monotonic()
+        words = [*PYTEST, "-x", *tests]
+        status, output = self._server.run({"words": words, "variables": {**variables}}, limit_s)
+        return Ran(status, output, time.monotonic() - begun_s)
+
+    def _environment(self) -> dict[str, str]:
+        """Return the environment of all runs."""
         paths = (self.root, self.root / "build" / "typing", TESTS)
         environment = os.environ | {
-            **variables,
             "PYTHONPATH": os.pathsep.join([*map(str, paths), *_other_paths()]),
             "PYTHONDONTWRITEBYTECODE": "1",  # a second mutant in one second would go unnoticed
         }
         environment.pop("NUMBA_CACHE_DIR", None)
-        with tempfile.TemporaryDirectory(dir=self._folder) as compiled:
-            if fresh_compiled:
-                environment["NUMBA_CACHE_DIR"] = compiled
-            words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
-            begun_s = time.monotonic()
-            started = subprocess.Popen(
-                words,
-                cwd=self.root,
-                env=environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                start_new_session=True,
-            )
-            self._running = started
-            try:
-                output, _ = started.communicate(timeout=limit_s)
-                status: int | None = started.returncode
-            except subprocess.TimeoutExpired:
-                os.killpg(started.pid, signal.SIGKILL)  # with the processes that tests started
-                output, _ = started.communicate()
-                status = None
-        return Ran(status, output[-4000:], time.monotonic() - begun_s)
+        return environment
 
-    def run_only(self, tests: Sequence[str], limit_s: float, fresh_compiled: bool = False) -> Ran:
-        """Run single tests by their names, file by file, up to the first that fails."""
+    def run_only(self, tests: Sequence[str], limit_s: float) -> Ran:
+        """Run single tests of the fast lane by their names, up to the first that fails."""
+        ran = self.run_collected(tests, limit_s)
+        if ran is not None:
+            return ran
         files = dict.fromkeys(test.partition("::")[0] for test in tests)
         selection = self._folder / "selection.json"
         selection.write_text(json.dumps(list(tests)), encoding="utf-8")
         variables = {"MUTANTS_SELECTION": str(selection)}
         words = ["-p", "mutants.selection", *files]
-        return self.run(words, limit_s, fresh_compiled, variables)
+        return self.run(words, limit_s, variables)
 
-    def with_source(self, file: str, source: bytes) -> "_Planted":
-        """Return a context in which a file of the copy has another source."""
-        return _Planted(self.root / file, source)
+    def collect(self) -> None:
+        """Collect the fast tests once, so that `run_only` runs them in forks where it can."""
+        if self._is_collected:
+            return
+        self._is_collected = True
+        lane = ["-m", LANE, "-p", "mutants.collected", "--continue-on-collection-errors"]
+        words = [sys.executable, "-m", "pytest", *PYTEST, *lane]
+        self._collected = RunServer(words, self.root, self._environment())
+        with suppress(ConnectionError):  # told by the first run
+            self._collected.wait()
+
+    def run_collected(self, tests: Sequence[str], limit_s: float) -> Ran | None:
+        """Run tests by the process that has collected them; return None if it refuses."""
+        if self._collected is None:
+            return None
+        file, before = self._planted or ("", b"")
+        begun_s = time.monotonic()
+        try:
+            status, output = self._collected.run(
+                {"names": [*tests], "file": file, "before": before.decode()}, limit_s
+            )
+        except ConnectionError:  # the tests cannot be collected
+            self._collected.close()
+            self._collected = None
+            return None
+        if status == REFUSED:
+            return None
+        return Ran(status, output, time.monotonic() - begun_s)
+
+    @contextmanager
+    def with_source(self, file: str, source: bytes) -> Iterator[None]:
+        """Return a context in which a file of the copy has another source.
+
+        The compiled functions of the file and of all that import it are set aside meanwhile: the
+        cache of a function does not notice a change of what it calls.
+        """
+        files = [self.root / file]
+        before = files[0].read_bytes()
+        if b"njit" in before:
+            if self._importers is None:
+                self._importers = Importers(self.root)
+            files += [self.root / other for other in sorted(self._importers.of(file))]
+        with _Planted(source, files):
+            self._planted = file, before
+            try:
+                yield
+            finally:
+                self._planted = None
 
 
 def _compile(folders: Sequence[Path]) -> None:
@@ -170,15 +213,37 @@ def _other_paths() -> list[str]:
 
 
 class _Planted:
-    """Put the old source back, with its time, so that compiled code is valid again."""
+    """Put the old source back, with its time, so that compiled code is valid again.
 
-    def __init__(self, path: Path, source: bytes) -> None:
-        self._path, self._source = path, source
+    Args:
+        source: Of the first file, while it is changed.
+        files: The file, and those whose compiled functions are not valid meanwhile.
+    """
+
+    def __init__(self, source: bytes, files: Sequence[Path]) -> None:
+        self._path, self._source, self._files = files[0], source, files
 
     def __enter__(self) -> None:
+        self._aside = Path(tempfile.mkdtemp(dir=self._path.parent))
+        self._moved = {path: self._aside / str(i) for i, path in enumerate(self._compiled())}
+        for path, aside in self._moved.items():
+            path.rename(aside)
         self._old, self._stat = self._path.read_bytes(), self._path.stat()
         self._path.write_bytes(self._source)
 
     def __exit__(self, *_: object) -> None:
         self._path.write_bytes(self._old)
         os.utime(self._path, ns=(self._stat.st_atime_ns, self._stat.st_mtime_ns))
+        for path in self._compiled():
+            path.unlink()
+        for path, aside in self._moved.items():
+            aside.rename(path)
+        self._aside.rmdir()
+
+    def _compiled(self) -> list[Path]:
+        """Return the files in which numba keeps the compiled functions of the files."""
+        return [
+            path
+            for file in self._files
+            for path in (file.parent / "__pycache__").glob(f"{file.stem}.*.nb[ic]")
+        ]
