@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from executive_plugins.registration.stopwatch import Stopwatch
 from executive_plugins.registration.thinning import thinned
-from scipy.spatial import cKDTree
 
 from executive.arrays import Float
+from executive.geometry.point_grid import PointGrid
 from executive.messages.alignment import Alignment
+
+_CELL = 3.0  # edge of the cells in which points are looked up, in that of the thinning
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +80,8 @@ NOTHING = Agreement(Nearness(0, 0, 0.0), Nearness(0, 0, 0.0))
 def measure(target: Float, moved: Float, truncation_m: float, voxel_m: float) -> Agreement:
     """Compare two sets of points in both directions, after thinning both to one density."""
     a, b = thinned(target, voxel_m), thinned(moved, voxel_m)
-    return Agreement(_near(b, a, truncation_m), _near(a, b, truncation_m))
+    ways = ((b, a), (a, b))
+    return Agreement(*(_near(*way, truncation_m, _CELL * voxel_m) for way in ways))
 
 
 def refusal(reason: str, watch: Stopwatch) -> Alignment:
@@ -86,8 +89,7 @@ def refusal(reason: str, watch: Stopwatch) -> Alignment:
     return Alignment(np.eye(4), False, reason, 0.0, 0.0, timings_ms=watch.timings_ms())
 
 
-def _near(points: Float, surface: Float, truncation_m: float) -> Nearness:
-    tree = cKDTree(surface, balanced_tree=False, compact_nodes=False)
-    distances = tree.query(points, distance_upper_bound=truncation_m)[0]
+def _near(points: Float, surface: Float, truncation_m: float, cell_m: float) -> Nearness:
+    distances, _ = PointGrid(surface, cell_m).nearest(points, truncation_m)
     near = distances[np.isfinite(distances)]
     return Nearness(len(points), len(near), float(near @ near))

@@ -33,10 +33,7 @@ class Matchup:
     ) -> None:
         self.settings, self.target, self.source = settings, target, source
         there, here = (SiteView(one, settings.fine_voxel_m) for one in (target, source))
-        self.stones = Surface(
-            np.vstack([stone.points for stone in there.stones]),
-            np.vstack([stone.normals for stone in there.stones]),
-        )
+        self.stones = there.stones[0].joined(*there.stones[1:])
         self.evidence = Evidence(there, here, settings.truncation_m, settings.min_overlap)
 
     @cached_property

@@ -19,7 +19,13 @@ from executive_plugins.registration.similarity import (
 from executive_plugins.registration.single_object import ObjectFinder
 from executive_plugins.registration.site_view import compile_site_view
 from executive_plugins.registration.stopwatch import Stopwatch
-from executive_plugins.registration.thinning import sampled, thinned
+from executive_plugins.registration.thinning import (
+    compile_thinning,
+    less,
+    mean_point,
+    sampled,
+    thinned,
+)
 from executive_plugins.registration.uncertainty import motion_uncertainty
 from executive_plugins.registration.verdict import against_rivals, judge
 
@@ -64,6 +70,7 @@ class SegmentRegistrar(Registrar):
         Constellation.compile()
         compile_refinement()
         compile_site_view()
+        compile_thinning()
 
     @abstractmethod
     def _proposers(self) -> tuple[MotionProposer, ...]:
@@ -85,7 +92,9 @@ class SegmentRegistrar(Registrar):
         middle_t, middle_s = _middle(target), _middle(source)
         with watch.stage("segmentation"):
             try:
-                there = self._segmentation.segment(Cloud(target.frame, target.points - middle_t))
+                there = self._segmentation.segment(
+                    Cloud(target.frame, less(target.points, middle_t))
+                )
                 here = self._segmentation.segment(self._thinned(source, middle_s))
             except DataError as error:
                 return refusal(f"a cloud cannot be segmented: {error}", watch)
@@ -182,7 +191,7 @@ class SegmentRegistrar(Registrar):
     def _thinned(self, source: Cloud, middle: Float) -> Cloud:
         if not len(source):
             return source
-        return Cloud(source.frame, thinned(source.points - middle, self._settings.voxel_m))
+        return Cloud(source.frame, thinned(less(source.points, middle), self._settings.voxel_m))
 
     def _choose(self, clouds: Matchup, candidates: Sequence[Float]) -> Similarity | None:
         """Refine candidates a little on the segments, and return the one with the best surface fit.
@@ -243,4 +252,4 @@ class SegmentRegistrar(Registrar):
 
 
 def _middle(cloud: Cloud) -> Float:
-    return np.asarray(cloud.points.mean(axis=0)) if len(cloud) else np.zeros(3)
+    return mean_point(cloud.points) if len(cloud) else np.zeros(3)

@@ -10,13 +10,14 @@ import numpy as np
 import small_gicp
 from executive_plugins.registration.thinning import thinned
 from numba import njit
-from scipy.spatial import cKDTree
 
 from executive.arrays import Float, Int
+from executive.geometry.point_grid import PointGrid, compile_point_grid
 from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3
 
 _NEIGHBOURS = 12  # points that shape a normal
+_CELL = 3.5  # edge of the cells in which points are looked up, in their distance: the fastest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,11 +36,10 @@ class Similarity:
 class Surface:
     """A target's points with normals, for many fits."""
 
-    def __init__(self, points: Float, normals: Float) -> None:
-        self.points, self.normals = points, normals
-        self._tree = cKDTree(
-            points, balanced_tree=False, compact_nodes=False
-        )  # built in half the time
+    def __init__(self, points: Float, normals: Float, spacing_m: float = 0.1) -> None:
+        """Prepare the search; it is fastest if points are so far apart [m]."""
+        self.points, self.normals, self._spacing_m = points, normals, spacing_m
+        self._grid = PointGrid(points, _CELL * spacing_m)
 
     @classmethod
     def thinned(cls, points: Float, voxel_m: float) -> "Surface":
@@ -47,20 +47,21 @@ class Surface:
         even = thinned(points, voxel_m)
         cloud = small_gicp.PointCloud(even)
         small_gicp.estimate_normals(cloud, num_neighbors=_NEIGHBOURS)
-        return cls(even, np.array(cloud.normals()[:, :3], order="C"))
+        return cls(even, np.array(cloud.normals()[:, :3], order="C"), voxel_m)
 
-    def joined(self, other: "Surface") -> "Surface":
-        """Return both as one surface."""
-        return Surface(
-            np.vstack([self.points, other.points]), np.vstack([self.normals, other.normals])
+    def joined(self, *others: "Surface") -> "Surface":
+        """Return all as one surface."""
+        parts = (self, *others)
+        points, normals = (
+            np.vstack(both) for both in zip(*((p.points, p.normals) for p in parts), strict=True)
         )
+        return Surface(points, normals, self._spacing_m)
 
     def nearest(self, points: Float, max_distance_m: float) -> tuple[Float, Int]:
         """Return distances [m] (inf beyond the reach) and row numbers of the nearest surface
         points.
         """
-        distances, rows = self._tree.query(points, distance_upper_bound=max_distance_m)
-        return distances, rows
+        return self._grid.nearest(points, max_distance_m)
 
 
 def refine(
@@ -96,7 +97,8 @@ def refine(
 
 
 def compile_refinement() -> None:
-    """Compile the inner loop."""
+    """Compile the inner loops."""
+    compile_point_grid()
     few = np.eye(3)
     _normal_equations(few, np.arange(3), np.arange(3), few, few, 1.0)
 
