@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 from executive_plugins.segmentation.average_linkage import average_linkage
-from executive_plugins.segmentation.hollow import hollow_share
+from executive_plugins.segmentation.hollow import hollow_share, is_hollow
 from executive_plugins.segmentation.patch_graph import patch_graph
 from executive_plugins.segmentation.shape import principal_extents, spans
 from scipy.spatial import cKDTree
@@ -65,7 +65,7 @@ class ConvexSplitter:
         Half as much is asked of what is too long for one: a boulder or a wall is convex.
         """
         is_long = principal_extents(points)[0] > self.most_extent_m
-        return hollow_share(points) <= self.most_hollow * (0.5 if is_long else 1.0)
+        return not is_hollow(points, self.most_hollow * (0.5 if is_long else 1.0))
 
     def _parted(self, level: Float, tolerances_rad: tuple[float, ...]) -> list[Int]:
         """Part points; what is no stone yet is parted again with the next tolerance.

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from executive_plugins.segmentation.hollow import hollow_share
+from executive_plugins.segmentation.hollow import hollow_share, is_hollow
 from executive_plugins.segmentation.limits import Limits
 from executive_plugins.segmentation.shape import (
     counts_near,
@@ -135,10 +135,10 @@ class PartJudge:
         return None
 
     def _hollow(self, part: Float, places: Float, heights: Float) -> Found | None:
-        share, most = hollow_share(part), _WHOLE * self._most_hollow
-        if share <= most:
+        most = _WHOLE * self._most_hollow
+        if not is_hollow(part, most):
             return None
-        told = f"hollow by {share:.0%} of its length, one stone by at most {most:.0%}"
+        told = f"hollow by {hollow_share(part):.0%} of its length, one stone by at most {most:.0%}"
         if self._count_tops(places, heights) > 1:
             return PartKind.STACK, told
         return None  # one stone with a deep hollow

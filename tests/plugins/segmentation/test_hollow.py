@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation.hollow import hollow_share
+from executive_plugins.segmentation.hollow import hollow_share, is_hollow
 
 from executive.arrays import Float
 
@@ -43,3 +43,13 @@ def test_a_reflection_in_the_air_does_not_make_a_ball_hollow() -> None:
     assert hollow_share(strayed) < 0.03  # its longest side counts the points in the air
     two = np.vstack([ball(-0.5), ball(0.5), [[0.0, 0.0, 1.5]]])
     assert hollow_share(two) > 0.1
+
+
+@pytest.mark.parametrize("apart_m", [0.0, 0.3, 0.6, 1.0])
+@pytest.mark.parametrize("strays", [0, 600])
+def test_the_quick_answer_is_that_of_the_hull(apart_m: float, strays: int) -> None:
+    air = np.random.default_rng(1).uniform(-2, 2, (strays, 3))
+    pair = np.vstack([ball(-apart_m / 2), ball(apart_m / 2), air])
+    share = hollow_share(pair)
+    for most in (0.5 * share, 0.99 * share, 1.01 * share, 1.5 * share, 0.08):
+        assert is_hollow(pair, most) == (share > most)
