@@ -13,7 +13,7 @@ from executive_plugins.segmentation.ground_plane import plane_heights
 from executive_plugins.segmentation.lower_cone import Relief, may_be_ground, relief_of
 from numba import njit
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from executive.arrays import Float, Int
 from executive.errors import DataError
@@ -22,6 +22,8 @@ _MAX_NODES = 40_000  # 100 m × 100 m at nodes of 0.5 m; wider sites get coarser
 _COARSEST_M = 8.0  # nodes so far apart follow no ground: a wrong unit, not a site
 _FULL_DENSITY = 40.0  # points in a square metre for the full weight of a node
 _ROUNDS = (1.8, 1.2, 1.05)  # shrinking height below the surface that is ground, in margins
+_SETTLED = 1e-12  # error of a solution, in it, in the norm of the system: rounding
+_MOST_STEPS = 40  # as costly as factors of a site of 2,500 nodes; 9 to 12 settle
 _ORIGIN = np.zeros(3)
 _STENCIL = (1.0, -2.0, 1.0)  # second difference
 
@@ -121,15 +123,49 @@ def _stiff(shape: tuple[int, ...], stiffness: float) -> tuple[sparse.csc_array, 
     return system, diagonal
 
 
-def _solved(system: sparse.csc_array, right: Float) -> Float:
-    """Solve a symmetric, positive definite system, without pivots: two thirds of the usual time."""
-    factors = splu(
-        system,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    return np.asarray(factors.solve(right))
+class _Solver:
+    """Solves symmetric, positive definite systems that differ little from one another.
+
+    The first is factored; the others are solved by conjugate gradients, to which these factors are
+    the preconditioner: a third of the time, and the same up to rounding.
+    """
+
+    def __init__(self) -> None:
+        self._factors: SuperLU | None = None
+        self._last = np.zeros(0)
+
+    def solved(self, system: sparse.csc_array, right: Float) -> Float:
+        """Return the solution, shape (N,); factors anew if steps do not settle."""
+        if self._factors is not None and self._by_steps(self._factors, system, right):
+            return self._last
+        self._factors = splu(  # without pivots: two thirds of the usual time
+            system,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        self._last = np.asarray(self._factors.solve(right))
+        return self._last
+
+    def _by_steps(self, factors: SuperLU, system: sparse.csc_array, right: Float) -> bool:
+        """Step from the last solution to that of this system; return whether it is reached."""
+        found = self._last.copy()
+        left = right - system @ found
+        better = factors.solve(left)
+        way, square = better, float(left @ better)
+        enough = _SETTLED**2 * float(right @ factors.solve(right))
+        for _ in range(_MOST_STEPS):
+            if square <= enough:
+                self._last = found
+                return True
+            pushed = system @ way
+            length = square / float(way @ pushed)
+            found += length * way
+            left -= length * pushed
+            better = factors.solve(left)
+            before, square = square, float(left @ better)
+            way = better + square / before * way
+        return False
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -193,14 +229,14 @@ class SurfaceFit:
         free = system.data[diagonal].copy()
         heights = plane_heights(points, plane)
         is_low = may_be_ground(uv, heights, node_m / 2, self.max_rise, self.margin_m)
-        above = np.where(is_low, 0.0, np.inf)
+        above, solver = np.where(is_low, 0.0, np.inf), _Solver()
         surface = GroundSurface(plane, R, origin, node_m, np.zeros(shape))
         for share in (1.0, *_ROUNDS):
             limits = (-share * self.margin_m, 0.5 * share * self.margin_m)  # stones only rise
             counts, means = _node_means(above, heights, nodes, limits, shape[0] * shape[1])
             weights = np.minimum(counts / (_FULL_DENSITY * node_m**2), 1.0)
             system.data[diagonal] = free + weights
-            grid = _solved(system, weights * means).reshape(shape)
+            grid = solver.solved(system, weights * means).reshape(shape)
             surface = GroundSurface(plane, R, origin, node_m, grid)
             above = surface.heights_above(points)
         return surface

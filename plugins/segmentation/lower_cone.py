@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from scipy import ndimage
 
 from executive.arrays import Bool, Float, Int
 
@@ -67,12 +66,36 @@ def _cone(
 ) -> tuple[Int, Float, Float]:
     """Return the cell of each point, the lowest height in each cell, and how high ground may be."""
     cells = ((places - places.min(axis=0)) / cell_m).astype(np.int64)
-    lowest = np.full(cells.max(axis=0) + 1, np.inf)
-    np.minimum.at(lowest, (cells[:, 0], cells[:, 1]), heights)
-    cone = ndimage.median_filter(lowest, size=3, mode="nearest")
+    lowest, cone = _lowest(cells, heights, cells.max(axis=0) + 1)
     _sweep(cone, max_rise * cell_m)
     _sweep(cone[::-1, ::-1], max_rise * cell_m)
     return cells, lowest, cone
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _lowest(cells: Int, heights: Float, shape: Int) -> tuple[Float, Float]:
+    """Return the lowest height in each cell, inf for none, and its median over 3 × 3 cells, of
+    which those beyond the border are as the border.
+    """
+    lowest, medians = np.full((shape[0], shape[1]), np.inf), np.empty((shape[0], shape[1]))
+    for n in range(len(cells)):
+        i, j = cells[n, 0], cells[n, 1]
+        lowest[i, j] = min(lowest[i, j], heights[n])
+    nine = np.empty(9)
+    for i in range(shape[0]):
+        for j in range(shape[1]):
+            for a in range(3):
+                for b in range(3):
+                    value = lowest[
+                        min(max(i + a - 1, 0), shape[0] - 1), min(max(j + b - 1, 0), shape[1] - 1)
+                    ]
+                    k = 3 * a + b  # sorted as they come
+                    while k > 0 and nine[k - 1] > value:
+                        nine[k] = nine[k - 1]
+                        k -= 1
+                    nine[k] = value
+            medians[i, j] = nine[4]
+    return lowest, medians
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation.ground_surface import SurfaceFit
+from executive_plugins.segmentation import ground_surface
+from executive_plugins.segmentation.ground_surface import SurfaceFit, _Solver, _stiff
 
 from executive.errors import DataError
 
@@ -87,3 +88,21 @@ def test_heights_on_a_plane_are_exact() -> None:
 def test_a_cloud_in_millimetres_is_named() -> None:
     with pytest.raises(DataError, match="unit is the metre"):
         FIT.on(ground(np.random.default_rng(0)) * 1000, LEVEL)
+
+
+@pytest.mark.parametrize("most_steps", [40, 2])
+@pytest.mark.parametrize("factor", [1.0, 0.3, 100.0])
+def test_a_system_near_the_last_one_is_solved_as_if_it_were_the_first(
+    monkeypatch: pytest.MonkeyPatch, factor: float, most_steps: int
+) -> None:
+    """Where few steps do not settle it is factored anew."""
+    monkeypatch.setattr(ground_surface, "_MOST_STEPS", most_steps)
+    rng = np.random.default_rng(0)
+    system, diagonal = _stiff((20, 30), 10.0)
+    weights, right, solver = rng.uniform(0, 1, 600), rng.normal(size=600), _Solver()
+    for n in range(3):
+        near = system.copy()
+        near.data[diagonal] += weights * factor**n
+        found = solver.solved(near, right)
+        wanted = np.linalg.solve(near.toarray(), right)
+        assert np.abs(found - wanted).max() < 1e-9 * np.abs(wanted).max()
