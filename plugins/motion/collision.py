@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
-from executive_plugins.motion.obstacles import NEAR_M, Obstacles
+from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.self_collision import SelfCollision
 from scipy.spatial import cKDTree
 
@@ -145,14 +145,6 @@ class CollisionCheck:
                 body.depths(transform(T_link_base, self._obstacles.points[points])),
             )
 
-    def _close(self, body: ConvexBody, T: Float) -> Int:
-        """Return the postures in which a body may be below an obstacle, by its bounding sphere."""
-        centre, radius = body.sphere
-        if radius > NEAR_M:
-            return np.arange(len(T))
-        centres = T[:, :3, :3] @ centre + T[:, :3, 3]
-        return np.flatnonzero(centres[:, 2] - radius < self._obstacles.highest_near(centres))
-
     def _survey(self, frames: dict[str, Float]) -> tuple[Bool, Float]:
         """Return which bodies are below the height map, and their depths in the ground [m].
 
@@ -162,6 +154,6 @@ class CollisionCheck:
         is_low, sunk_m = np.zeros(shape, dtype=bool), np.full(shape, -np.inf)
         for b, body in enumerate(self._bodies):
             T = frames[body.link]
-            close = self._close(body, T)
+            close = self._obstacles.close(T, body.sphere)
             is_low[close, b], sunk_m[close, b] = self._obstacles.survey(T[close], body.samples)
         return is_low, sunk_m

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from executive.arrays import Bool, Float
+from executive.arrays import Bool, Float, Int
 
 
 def survey(
@@ -41,8 +41,29 @@ def survey(
     return np.asarray(is_low), np.asarray(sunk_m)
 
 
+def close(
+    T_base_links: Float,
+    sphere: tuple[Float, float],
+    highest: Float,
+    radius_m: float,
+    block_m: float,
+) -> Int:
+    """Return the poses in which a sphere reaches below the heights of its block, rising.
+
+    Args:
+        T_base_links: Poses of the sphere's link, shape (K, 4, 4).
+        sphere: Its centre in the link and its radius [m].
+        highest: Heights by block [m], shape (m, m).
+        radius_m: Half the edge of the map, whose middle is the base.
+        block_m: Edge of a block.
+    """
+    T, (centre, own_m) = np.ascontiguousarray(T_base_links), sphere
+    return np.flatnonzero(_close(T, centre, own_m, highest, radius_m, block_m))
+
+
 def compile_survey() -> None:
-    """Compile the loop, which takes a second on the first run after an installation."""
+    """Compile the loops, which takes a second on the first run after an installation."""
+    close(np.eye(4)[None], (np.zeros(3), 1.0), np.zeros((1, 1)), 1.0, 1.0)
     survey(np.eye(4)[None], np.zeros((1, 3)), np.zeros((1, 1)), np.zeros((1, 1)), 1.0, 1.0)
 
 
@@ -66,3 +87,20 @@ def _survey(
         if is_low[k]:
             sunk_m[k] = deepest
     return is_low, sunk_m
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _close(
+    T: Float, centre: Float, own_m: float, highest: Float, radius_m: float, block_m: float
+) -> Bool:
+    is_close = np.zeros(len(T), dtype=np.bool_)
+    last = len(highest) - 1
+    x, y, z = centre
+    for k in range(len(T)):
+        at_x = T[k, 0, 0] * x + T[k, 0, 1] * y + T[k, 0, 2] * z + T[k, 0, 3]
+        at_y = T[k, 1, 0] * x + T[k, 1, 1] * y + T[k, 1, 2] * z + T[k, 1, 3]
+        at_z = T[k, 2, 0] * x + T[k, 2, 1] * y + T[k, 2, 2] * z + T[k, 2, 3]
+        column = min(max(math.floor((at_x + radius_m) / block_m), 0), last)
+        row = min(max(math.floor((at_y + radius_m) / block_m), 0), last)
+        is_close[k] = at_z - own_m < highest[column, row]
+    return is_close

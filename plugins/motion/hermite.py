@@ -15,6 +15,7 @@ from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.oil_flow import within_flow
 from executive_plugins.motion.path_speeds import compile_speeds
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
+from executive_plugins.motion.separation import compile_separation
 from executive_plugins.motion.settings import HermiteSettings
 from executive_plugins.motion.sweep import folding_sweep, sweep
 from executive_plugins.motion.timing import Limits
@@ -54,6 +55,8 @@ class Hermite(MotionPlanner):
         self._machine_check = SelfCollision(machine, self._bodies, settings.machine_clearance)
         compile_speeds(len(machine.joints))
         compile_survey()
+        compile_separation()
+        self._ik.compile()
 
     def reach(self, T_base_gripper: Float, seed: Float) -> Float | None:
         T_base_gripper = checked("T_base_gripper", T_base_gripper, 4, 4)

@@ -3,23 +3,17 @@
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from executive_plugins.motion.arm_chain import ArmChain
+from executive_plugins.motion.damped_steps import compile_steps, damped_steps
 from executive_plugins.motion.settings import InverseKinematicsSettings
 
 from executive.arrays import Float
-from executive.geometry.pose import inverse
-from executive.geometry.rotation import log_so3
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
-# Rows of the residual are divided by these, so 1 mm and 5 mrad have the same weight.
-_SCALE = np.array([1e-3] * 3 + [5e-3] * 3)
-_CONVERGED = 0.1  # scaled residual, equivalent to 0.1 mm
-_DAMPING = 1e-3  # relative to the scaled Jacobian, whose entries are of the order of 1,000
 _COMFORT = 2.0  # pull towards the middle of each range, in units of the scaled residual
-_FADE = 0.25  # factor on the pull in each iteration
-_PATIENCE = 5  # iterations without an improvement of 5 % before giving up
 _SAME = 0.02  # solutions closer than this are the same [rad] or [m]
-_MAX_STEP = 0.4  # largest step, within which the linearisation is valid [rad] or [m]
+_MAX_STEP = 0.4  # largest step to the solution next to a posture [rad] or [m]
 
 
 class InverseKinematics:
@@ -48,6 +42,11 @@ class InverseKinematics:
             np.where(self._is_bounded, _COMFORT / np.maximum(upper - lower, 1e-6), 0.0) ** 2
         )
         self._turn = machine.arm_names.index(machine.turn_joint)
+        self._chain = ArmChain.of(machine)
+
+    def compile(self) -> None:
+        """Compile the loop, so that no request has to wait for it."""
+        compile_steps(self._chain)
 
     def solve(
         self, T_base_gripper: Float, seed: Float, accept: Callable[[Float], bool] | None = None
@@ -126,42 +125,11 @@ class InverseKinematics:
     def _iterate(
         self, T_wanted: Float, q: Float, iterations: int, pull: Float
     ) -> tuple[Float, bool]:
-        """Return the result of Levenberg's method, and whether it reaches the pose.
-
-        Joints at their limits form the active set. The pull fades with each step, so it only
-        resolves redundant freedom.
-        """
-        q, best, stale = q.copy(), np.inf, 0
-        r = self._residual(T_wanted, q)
-        for i in range(iterations):
-            size = float(np.linalg.norm(r))
-            stale = 0 if size < 0.95 * best else stale + 1
-            best = min(best, size)
-            if size < _CONVERGED or stale > _PATIENCE:
-                break
-            q = self._step(r, q, pull * _FADE**i)
-            r = self._residual(T_wanted, q)
-        missed = r * _SCALE
-        is_near = np.linalg.norm(missed[:3]) <= self._settings.position_tolerance_m
-        return q, bool(
-            is_near and np.linalg.norm(missed[3:]) <= self._settings.orientation_tolerance_rad
+        """Return the result of Levenberg's method, and whether it reaches the pose."""
+        q, away_m, away_rad = damped_steps(
+            self._chain, T_wanted, q, iterations, pull, (self._lower, self._upper, self._comfort)
         )
-
-    def _residual(self, T_wanted: Float, q: Float) -> Float:
-        T = self._kinematics.gripper(q)
-        turn = T[:3, :3] @ log_so3((inverse(T) @ T_wanted)[:3, :3])
-        return np.asarray(np.concatenate([T_wanted[:3, 3] - T[:3, 3], turn]) / _SCALE)
-
-    def _step(self, r: Float, q: Float, pull: Float) -> Float:
-        A = self._kinematics.jacobian(q) / _SCALE[:, None]
-        pull = pull * float(np.linalg.norm(A, axis=0).mean()) ** 2 / 1e3
-        H = A.T @ A + np.diag(_DAMPING * np.abs(A).max() + pull)
-        g = A.T @ r + pull * (self._comfort - q)
-        dq = np.linalg.solve(H, g)
-        is_blocked = ((q <= self._lower) & (dq < 0)) | ((q >= self._upper) & (dq > 0))
-        if is_blocked.any():
-            free = np.flatnonzero(~is_blocked)
-            dq = np.zeros_like(q)
-            dq[free] = np.linalg.solve(H[free[:, None], free], g[free])
-        dq *= min(1.0, _MAX_STEP / max(float(np.abs(dq).max()), 1e-12))
-        return np.clip(q + dq, self._lower, self._upper)
+        return q, bool(
+            away_m <= self._settings.position_tolerance_m
+            and away_rad <= self._settings.orientation_tolerance_rad
+        )

@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from executive_plugins.motion.ground_heights import ground_heights
-from executive_plugins.motion.height_survey import survey
+from executive_plugins.motion.height_survey import close, survey
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from executive.arrays import Bool, Float, Int
@@ -52,10 +52,16 @@ class Obstacles:
         """
         return survey(T_base_links, samples, self._wide, self._floor, self._radius_m, _CELL_M)
 
-    def highest_near(self, points_base: Float) -> Float:
-        """Return heights that no obstacle within `NEAR_M` of points (K, 3) exceeds [m], (K,)."""
-        column, row = np.moveaxis(self._index(points_base[:, :2]), -1, 0) // _BLOCK
-        return np.asarray(self._blocks[column, row])
+    def close(self, T_base_links: Float, sphere: tuple[Float, float]) -> Int:
+        """Return the poses in which a body may be below an obstacle, by a sphere about it, rising.
+
+        Args:
+            T_base_links: Poses of the body's link, shape (K, 4, 4).
+            sphere: Centre in the link and radius of the sphere [m].
+        """
+        if sphere[1] > NEAR_M:
+            return np.arange(len(T_base_links))
+        return close(T_base_links, sphere, self._blocks, self._radius_m, _BLOCK * _CELL_M)
 
     @cached_property
     def _blocks(self) -> Float:
@@ -84,12 +90,17 @@ class Obstacles:
                 larger.
             radii_m: Inner and outer radius.
         """
-        x, y = np.meshgrid(self._centres, self._centres, indexing="ij")
-        radius = np.hypot(x, y)
+        azimuth, radius = self._polar
         start, end = sorted(azimuths_rad)
-        turned = (np.arctan2(y, x) - start) % (2 * np.pi)
+        turned = (azimuth - start) % (2 * np.pi)
         is_in = (radius >= radii_m[0]) & (radius <= radii_m[1]) & (turned <= end - start)
         return float(self._heights[is_in].max(initial=_FREE))
+
+    @cached_property
+    def _polar(self) -> tuple[Float, Float]:
+        """Azimuths and radii of the cells' centres about the base's z axis."""
+        x, y = np.meshgrid(self._centres, self._centres, indexing="ij")
+        return np.arctan2(y, x), np.hypot(x, y)
 
     @cached_property
     def is_ground(self) -> Bool:
@@ -124,7 +135,11 @@ class Obstacles:
         return np.where(is_ground, surface + above, np.where(is_known, surface, _FREE))
 
     def _extremes(self, extreme: np.ufunc, of_none: float) -> Float:
-        heights = np.full((self._cells, self._cells), of_none)
+        heights = np.full(self._cells**2, of_none)
+        extreme.at(heights, self._cell_of_points, self.points[:, 2])
+        return heights.reshape(self._cells, self._cells)
+
+    @cached_property
+    def _cell_of_points(self) -> Int:
         column, row = self._index(self.points[:, :2]).T
-        extreme.at(heights, (column, row), self.points[:, 2])
-        return heights
+        return np.asarray(column * self._cells + row)

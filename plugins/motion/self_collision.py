@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 import fcl
 import numpy as np
 from executive_plugins.motion.convex_body import ConvexBody
+from executive_plugins.motion.separation import unseparated
 from executive_plugins.physics.even_directions import even_directions
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.machine.gripper import SIDES
 from executive.machine.machine import Machine
 
@@ -15,7 +16,7 @@ _DIRECTIONS = even_directions(200)
 
 
 class SelfCollision:
-    """All pairs of convex bodies that must keep a clearance; bounding spheres exclude most of them.
+    """All pairs of convex bodies that must keep a clearance; planes in between exclude most.
 
     Attributes:
         machine: Machine whose bodies are checked.
@@ -45,6 +46,10 @@ class SelfCollision:
         ]
         self._pairs = np.array(indices, dtype=np.int64).reshape(-1, 2)
         self._objects = [fcl.CollisionObject(body.geometry) for body in self.bodies]
+        self._links = tuple(dict.fromkeys(body.link for body in self.bodies))
+        self._owners = np.array([self._links.index(body.link) for body in self.bodies])
+        self._corners = np.vstack([body.corners for body in self.bodies])
+        self._starts = np.cumsum([0, *(len(body.corners) for body in self.bodies)])
 
     def first_hit(self, frames: Mapping[str, Float]) -> tuple[int, str, str] | None:
         """Return the first posture in which two bodies are too close, and their names, or None.
@@ -52,7 +57,7 @@ class SelfCollision:
         Args:
             frames: T_base_link of every link for each posture, shape (K, 4, 4) each.
         """
-        for k, pair in self._near_pairs(frames):
+        for k, pair in self._near_pairs(frames).tolist():
             i, j = self._pairs[pair]
             for index in (i, j):
                 T = frames[self.bodies[index].link][k]
@@ -63,19 +68,12 @@ class SelfCollision:
                 return k, self.bodies[i].name, self.bodies[j].name
         return None
 
-    def _near_pairs(self, frames: Mapping[str, Float]) -> list[tuple[int, int]]:
-        spheres = [body.sphere for body in self.bodies]
-        centres = np.stack(
-            [
-                frames[b.link][:, :3, :3] @ c + frames[b.link][:, :3, 3]
-                for b, (c, _) in zip(self.bodies, spheres, strict=True)
-            ]
+    def _near_pairs(self, frames: Mapping[str, Float]) -> Int:
+        """Return postures and pairs that may be too close, in the order of the postures, (M, 2)."""
+        of_links = np.array([frames[link] for link in self._links])
+        return unseparated(
+            of_links, self._owners, self._corners, self._starts, self._pairs, self._clearance_m
         )
-        radii = np.array([radius for _, radius in spheres])
-        i, j = self._pairs.T
-        gaps = np.linalg.norm(centres[i] - centres[j], axis=2) - (radii[i] + radii[j])[:, None]
-        postures, pairs = np.nonzero(self._clearance_m > gaps.T)
-        return list(zip(postures.tolist(), pairs.tolist(), strict=True))
 
 
 def machine_bodies(machine: Machine) -> list[ConvexBody]:
