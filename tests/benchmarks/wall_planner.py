@@ -2,8 +2,9 @@
 
 A wall of 6 × 1.3 × 1.5 m is built in a trial of 40 stones a seed: scans at scale 8, drawn by the
 seed, a quarter of them replaced by generated blocks. A stone is right if it settles within 10 cm
-and 10° of its plan. Any legal drop is the same generator with a score by chance and no check, onto
-the stones of the same wall as it stood at times; drops onto the ground do not count.
+and 10° of its plan. Any legal drop is a stone in any rotation, let down at any place where it
+touches others first and is in the envelope, onto the same wall as it stood at times, without a
+score, a support below the centre of mass, or a check.
 """
 
 import json

@@ -9,18 +9,21 @@ from typing import Any
 import numpy as np
 from bounds import Bound, Figure, held
 from executive_plugins.physics.quarried_block import block
-from executive_plugins.placing.dry_stone.parts import Places
+from executive_plugins.placing.dry_stone.drops import HEIGHT, OUTSIDE, TOP, DropRules, drops
 from executive_plugins.placing.dry_stone.planner import DryStone
-from executive_plugins.placing.dry_stone.settings import DryStoneSettings, ScorerSettings
+from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
+from executive_plugins.placing.dry_stone.settings import DryStoneSettings
 from executive_plugins.placing.trial_site import RigidStones
+from scipy.spatial.transform import Rotation
 
-from executive.arrays import Float
 from executive.clouds.meshes.reader import mesh_of
 from executive.commands.walls.construction import Trial, TrialRules, answer_of, build
 from executive.commands.walls.judging import verdict_of
 from executive.errors import ConfigError
 from executive.geometry.hull_mesh import hull_mesh
-from executive.messages.building import AsBuilt
+from executive.geometry.pose import pose
+from executive.interfaces.building import MayGoOn, StructurePlanner
+from executive.messages.building import AsBuilt, BuildPlan, BuildTarget
 from executive.messages.height_grid import HeightGrid
 from executive.messages.solid_stone import SolidStone
 from executive.messages.structure import Structure
@@ -30,6 +33,7 @@ SCANS, BLOCKS = 30, 10  # of an inventory
 BLOCK_M3 = (0.15, 0.6)  # volumes of generated blocks
 NOISE = (0.03, np.radians(2.0))
 ON_STONES_M = 0.10  # least height above the ground of a stone that lies on others
+_DRAWN = 200  # stones and rotations that are drawn for one legal drop
 ENOUGH, IN_SEEDS = 17, 0.8  # stones, in this share of the seeds
 
 
@@ -46,22 +50,45 @@ class Job:
     keep: Path | None
 
 
-class ByChance:
-    """A scorer from outside the planner's package: any legal place on stones is as good as another,
-    and none on the ground counts.
+class AnyLegalDrop(StructurePlanner):
+    """Lets a stone down wherever it may lie: any stone, turned anyhow, anywhere on the others.
+
+    Legal is what the generator of `dry_stone` calls so, without its demand of a support below the
+    centre of mass and without its broad sides: the stone touches others first, meets none on its
+    way, and is in the envelope. There is no score and no check.
     """
 
-    def __init__(self, settings: ScorerSettings) -> None:
-        del settings
-        self._rng = np.random.default_rng(0)
-
-    def score(
-        self, places: Places, built: AsBuilt, inventory: Sequence[SolidStone]
-    ) -> Mapping[str, Float]:
-        origins = places.origins_map
-        low_m = origins[:, 2] + (places.stone.vertices @ places.R.T)[:, 2].min()
-        is_on_stones = low_m - built.ground.at(origins[:, :2]) > ON_STONES_M
-        return {"chance": np.where(is_on_stones, self._rng.random(len(origins)), -1.0)}
+    def propose(
+        self,
+        built: AsBuilt,
+        inventory: Sequence[SolidStone],
+        rng: np.random.Generator,
+        may_go_on: MayGoOn = lambda: True,
+    ) -> BuildPlan:
+        """Return the first drop that is legal, of some hundred that are drawn."""
+        s = DryStoneSettings()
+        usable = [one for one in inventory if one.mass_kg <= s.max_mass
+                  and one.extents_m[0] <= s.slenderest * one.extents_m[2]]  # fmt: skip
+        wall, structure = WallTop(built, s.generator.cell), built.structure
+        lean = float(np.tan(structure.batter_rad))
+        over_top_m = float(np.median([stone.extents_m[2] for stone in usable])) / 2
+        rules = DropRules(s.generator.touch, lean, lean, 1, s.generator.most_outside,
+                          structure.height_m + over_top_m)  # fmt: skip
+        for _ in range(_DRAWN):
+            stone = usable[rng.integers(len(usable))]
+            R = Rotation.random(rng=rng).as_matrix()
+            raster = raster_of(stone.vertices, stone.triangles, R, wall.cell_m)
+            nodes, found = drops(wall, raster, rules)
+            bottom_m = found[:, TOP] - (raster.over.max() - raster.under.min())
+            is_legal = (found[:, OUTSIDE] <= rules.most_outside) & (bottom_m > ON_STONES_M)
+            legal = np.flatnonzero(is_legal & np.isfinite(found[:, TOP]))
+            if len(legal):
+                n = rng.choice(legal)
+                xy = (nodes[n] + wall.corner) * wall.cell_m
+                T, down = pose(R, np.array([*xy, found[n, HEIGHT]])), np.array([0.0, 0.0, -1.0])
+                target = BuildTarget(stone.name, T, T, down, 0.0, 0.0, 0.0, 0.0, {})
+                return BuildPlan((target,), None, {})
+        return BuildPlan((), "nothing_fits", {}, f"none of {_DRAWN} drops is legal")
 
 
 def wall(job: Job) -> dict[str, Any]:
@@ -85,15 +112,9 @@ def dropped(
 ) -> list[bool]:
     """Return which legal drops onto the structure, as it stood at times, settle where they should.
 
-    A time at which no legal place is on stones is left out.
+    A time at which no legal place is found is left out.
     """
-    chance = DryStoneSettings.model_validate({
-        "scorer": {"part": "trials.wall_planner:ByChance"},
-        "check": {"part": "none"},
-        "generator": {"stones": 1, "kept": 1},
-        "fills": "any",
-    })  # fmt: skip
-    planner, site, rules = DryStone(chance), RigidStones(), TrialRules(NOISE, 1)
+    planner, site, rules = AnyLegalDrop(), RigidStones(), TrialRules(NOISE, 1)
     times = np.linspace(0, len(trial.placed) - 1, min(job.drops, len(trial.placed)))
     found = []
     for number in np.unique(times.round().astype(int)):
@@ -101,7 +122,7 @@ def dropped(
         used = {one.stone.name for one in built.standing}
         left = [one for one in stones if one.name not in used]
         one_more = build(built, left, planner, site, rules, rng)
-        found += [one.is_right for one in one_more.placed if one.plan.targets[0].score >= 0.0]
+        found += [one.is_right for one in one_more.placed]
     return found
 
 
