@@ -21,6 +21,15 @@ from executive.clouds.reader import read_site
 print(len(read_site(Path(sys.argv[1]))))
 {PEAK}
 """
+ADDED = f"""
+import re, sys
+from pathlib import Path
+from executive.clouds.reader import read_points
+read_points(Path(sys.argv[1]))  # compiles what unpacks
+print("before", re.search(r"VmRSS:\\s+(\\d+) kB", Path("/proc/self/status").read_text())[1])
+print("points", len(read_points(Path(sys.argv[2]))))
+{PEAK}
+"""
 COMMAND = f"""
 import re, sys
 from pathlib import Path
@@ -87,3 +96,26 @@ def test_segmenting_a_large_file_takes_at_most_twice_the_file_and_200_mb(tmp_pat
     printed, peak = run(COMMAND, "segment", path)
     assert "3 segments" in printed
     assert peak < 2 * path.stat().st_size + 200e6
+
+
+def compressed_zeros(path: Path, count: int) -> int:
+    """Write a compressed PCD of zeros, behind 33 numbers a point; return what it unpacks to."""
+    size = count * 36 * 4
+    whole, rest = divmod(size - 1, 264)  # a literal zero, then references of 264 bytes to it
+    packed = bytes([0, 0]) + bytes([0xE0, 255, 0]) * whole
+    packed += b"".join(bytes([0, 0]) for _ in range(rest))
+    head = "FIELDS form x y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 33 1 1 1\n"
+    head += f"POINTS {count}\nDATA binary_compressed\n"
+    lengths = np.array([len(packed), size], "<u4").tobytes()
+    path.write_bytes(head.encode() + lengths + packed)
+    return size
+
+
+def test_unpacking_takes_at_most_twice_the_file_and_200_mb(tmp_path: Path) -> None:
+    small, path = tmp_path / "small.pcd", tmp_path / "packed.pcd"
+    compressed_zeros(small, 1000)
+    assert compressed_zeros(path, 4_000_000) > 80 * path.stat().st_size
+    printed, peak = run(ADDED, small, path)
+    assert "points 1\n" in printed  # all lie at one place
+    before = 1024 * int(re.search(r"before (\d+)", printed)[1])
+    assert peak - before < 2 * path.stat().st_size + 200e6

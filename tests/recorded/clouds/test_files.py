@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from executive.clouds.lzf import decompress
+from executive.clouds.lzf import Unpacker
 from executive.clouds.ply_writer import write_parts, write_ply
 from executive.clouds.point_collector import PointCollector
 from executive.clouds.reader import read_points, read_site
@@ -122,7 +122,7 @@ def test_packed_bytes(recorded) -> None:
         [0, 65, 0x21, 0],
         [],
     ):
-        told += [decompress(np.array(packed, np.uint8), size) for size in (0, 3, 5, 40)]
+        told += [Unpacker(np.array(packed, np.uint8)).take(size) for size in (0, 3, 5, 40)]
     recorded(told)
 
 
