@@ -140,13 +140,15 @@ class Evidence:
         )
         for own, matched, view, onto in sides:
             middles, radii = own.discs
-            others = np.setdiff1d(np.arange(len(middles)), matched)
+            is_other = np.ones(len(middles), dtype=bool)
+            is_other[matched] = False
+            others = np.flatnonzero(is_other)
             levers = np.linalg.norm(middles - middles[matched].mean(axis=0), axis=1)
             spread_m = max(float(np.sqrt((levers[matched] ** 2).mean())), own.spacing_m)
             moves_m = reach_m * np.maximum(levers[others] / spread_m, 1.0)
             room_m = view.clearance_m(onto.apply(middles[others]))
             bare = others[room_m > onto.scale * radii[others] + moves_m]
-            observations += sum(len(own.stones[k].points) for k in bare) * self._per_point
+            observations += int(own.sizes[bare].sum()) * self._per_point
         return observations
 
     def weight(self, pairs: Pairs) -> float:

@@ -17,6 +17,7 @@ from executive.geometry.pose import pose
 from executive.geometry.rotation import exp_so3
 
 _NEIGHBOURS = 12  # points that shape a normal
+_DAMPING = 1e-6 * np.eye(7)  # of directions that no point determines
 _CELL = 3.5  # edge of the cells in which points are looked up, in their distance: the fastest
 
 
@@ -147,8 +148,9 @@ def _normal_equations(
 
 
 def _step(now: Similarity, H: Float, gradient: Float, centre: Float) -> Similarity:
-    rotation, shift, growth = np.split(-np.linalg.solve(H + 1e-6 * np.eye(7), gradient), [3, 6])
-    turn, factor = exp_so3(rotation), float(np.exp(growth[0]))
+    change = np.asarray(-np.linalg.solve(H + _DAMPING, gradient), dtype=np.float64)
+    shift = change[3:6]
+    turn, factor = exp_so3(change[:3]), float(np.exp(change[6]))
     R, t = now.T_target_source[:3, :3], now.T_target_source[:3, 3]
     return Similarity(
         pose(turn @ R, factor * turn @ (t - centre) + centre + shift), now.scale * factor

@@ -98,6 +98,11 @@ class SiteView:
         ]
         return middles, np.array(reaches)
 
+    @cached_property
+    def sizes(self) -> Int:
+        """Number of points of each stone's surface, shape (N,)."""
+        return np.array([len(stone.points) for stone in self.stones], dtype=np.int64)
+
     def is_open(self, points_cloud: Float, margin_m: float) -> Bool:
         """Return where this cloud shows that nothing is, shape (N,).
 

@@ -4,8 +4,9 @@
 
 import numpy as np
 from executive_plugins.segmentation.shape import counts_near, moments, planes_through
+from numba import njit
 
-from executive.arrays import Bool, Float
+from executive.arrays import Float
 from executive.errors import DataError
 
 _SUBSAMPLE = 2000  # points that vote: 0.2 % resolution of the inlier share
@@ -55,7 +56,19 @@ def fit_ground_plane(
         )
     plane = planes[np.argmax(counts_near(sample, planes, margin_m))]
     for _ in range(_REFITS):
-        near: Bool = np.abs(plane_heights(points, plane)) < margin_m
-        refit = fit_plane(points[near]) if near.sum() >= 3 else plane
+        near = _near(points, plane, margin_m)
+        refit = fit_plane(near) if len(near) >= 3 else plane
         plane = refit if refit[2] >= np.cos(max_tilt_rad) else plane
     return np.asarray(plane)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _near(points: Float, plane: Float, margin_m: float) -> Float:
+    """Return the points within a margin of a plane, shape (M, 3)."""
+    found, count = np.empty_like(points), 0
+    for n in range(len(points)):
+        x, y, z = points[n, 0], points[n, 1], points[n, 2]
+        if abs(x * plane[0] + y * plane[1] + z * plane[2] - plane[3]) < margin_m:
+            found[count, 0], found[count, 1], found[count, 2] = x, y, z
+            count += 1
+    return found[:count]

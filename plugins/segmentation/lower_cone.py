@@ -65,18 +65,23 @@ def _cone(
     places: Float, heights: Float, cell_m: float, max_rise: float
 ) -> tuple[Int, Float, Float]:
     """Return the cell of each point, the lowest height in each cell, and how high ground may be."""
-    cells = ((places - places.min(axis=0)) / cell_m).astype(np.int64)
-    lowest, cone = _lowest(cells, heights, cells.max(axis=0) + 1)
+    cells, lowest, cone = _lowest(places, heights, cell_m)
     _sweep(cone, max_rise * cell_m)
     _sweep(cone[::-1, ::-1], max_rise * cell_m)
     return cells, lowest, cone
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _lowest(cells: Int, heights: Float, shape: Int) -> tuple[Float, Float]:
-    """Return the lowest height in each cell, inf for none, and its median over 3 × 3 cells, of
-    which those beyond the border are as the border.
+def _lowest(places: Float, heights: Float, cell_m: float) -> tuple[Int, Float, Float]:
+    """Return the cell of each point, the lowest height in each cell, inf for none, and its median
+    over 3 × 3 cells, of which those beyond the border are as the border.
     """
+    low_x, low_y = places[:, 0].min(), places[:, 1].min()
+    cells, shape = np.empty((len(places), 2), dtype=np.int64), np.zeros(2, dtype=np.int64)
+    for n in range(len(cells)):
+        i, j = int((places[n, 0] - low_x) / cell_m), int((places[n, 1] - low_y) / cell_m)
+        cells[n, 0], cells[n, 1] = i, j
+        shape[0], shape[1] = max(shape[0], i + 1), max(shape[1], j + 1)
     lowest, medians = np.full((shape[0], shape[1]), np.inf), np.empty((shape[0], shape[1]))
     for n in range(len(cells)):
         i, j = cells[n, 0], cells[n, 1]
@@ -95,7 +100,7 @@ def _lowest(cells: Int, heights: Float, shape: Int) -> tuple[Float, Float]:
                         k -= 1
                     nine[k] = value
             medians[i, j] = nine[4]
-    return lowest, medians
+    return cells, lowest, medians
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -1,11 +1,13 @@
 """How far the points of a cloud are apart, which limits what can be seen in it."""
 
 import numpy as np
-from numba import njit
+from executive_plugins.segmentation.shape import spans
 
 from executive.arrays import Float
+from executive.geometry.point_grid import PointGrid
 
 _ASKED = 32  # points whose neighbours are looked for
+_LEAST_CELL_M = 0.01  # of the grid in which they are looked for; its edge costs time alone
 
 
 def spacing_m(points: Float) -> float:
@@ -17,23 +19,7 @@ def spacing_m(points: Float) -> float:
     if len(points) <= 4:
         return 0.0
     asked = points[:: max(len(points) // _ASKED, 1)]
-    return float(np.quantile(_fourth(np.ascontiguousarray(asked), points), 0.25))
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _fourth(asked: Float, points: Float) -> Float:
-    """Return the distance from each point asked about to its fourth neighbour, shape (M,)."""
-    found = np.empty(len(asked))
-    for k in range(len(asked)):
-        best = np.full(5, np.inf)  # the point itself is the first
-        for i in range(len(points)):
-            square = (points[i, 0] - asked[k, 0]) ** 2
-            if square >= best[4]:  # as of nearly all points
-                continue
-            square += (points[i, 1] - asked[k, 1]) ** 2
-            square += (points[i, 2] - asked[k, 2]) ** 2
-            if square < best[4]:
-                best[4] = square
-                best.sort()
-        found[k] = np.sqrt(best[4])
-    return found
+    sides_m = spans(points)
+    even_m = float(np.sqrt(sides_m[0] * sides_m[1] / len(points)))  # as if they were all about
+    fourth_m = PointGrid(points, max(even_m, _LEAST_CELL_M)).distances_m(asked, 5)[:, 4]
+    return float(np.quantile(fourth_m, 0.25))  # the first is the point itself
