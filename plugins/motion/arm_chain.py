@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from executive.arrays import Bool, Float
+from executive.arrays import Bool, Float, read_only
 from executive.machine.machine import Machine
 
 
@@ -40,8 +40,7 @@ class ArmChain:
         Args:
             q: Arm positions [rad] or [m], shape (K, n).
         """
-        q = np.ascontiguousarray(q, dtype=np.float64)
-        return np.asarray(_frames(self.T_parent_joints, self.axes, self.slides, q))
+        return np.asarray(_frames(self.T_parent_joints, self.axes, self.slides, read_only(q)))
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

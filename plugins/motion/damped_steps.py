@@ -6,7 +6,7 @@ import numpy as np
 from executive_plugins.motion.arm_chain import ArmChain, moved
 from numba import njit
 
-from executive.arrays import Bool, Float
+from executive.arrays import Bool, Float, read_only
 
 # Rows of the residual are divided by these, so 1 mm and 5 mrad have the same weight.
 _LENGTH_M, _ANGLE_RAD = 1e-3, 5e-3
@@ -42,14 +42,15 @@ def damped_steps(
     """
     q = np.array(q, dtype=np.float64)
     arm = chain.T_parent_joints, chain.axes, chain.slides
-    wanted, pull = np.ascontiguousarray(T_wanted), np.asarray(pull, dtype=np.float64)
+    wanted, pull = read_only(T_wanted), np.asarray(pull, dtype=np.float64)
     missed = np.asarray(_iterate(arm, wanted, q, iterations, pull, limits))
     return q, float(np.linalg.norm(missed[:3])), float(np.linalg.norm(missed[3:]))
 
 
 def compile_steps(chain: ArmChain) -> None:
-    """Compile the loop, which takes seconds on the first run after an installation."""
+    """Compile the loops, which takes seconds on the first run after an installation."""
     zeros = np.zeros(len(chain.axes))
+    chain.frames(zeros[None])
     damped_steps(chain, np.eye(4), zeros, 1, zeros, (zeros - 1, zeros + 1, zeros))
 
 
