@@ -63,6 +63,14 @@ def test_an_error_ends_the_steps_that_it_leaves(passed):
     assert times.shares() == (Share("loop", "", 1.0, 0.0),)
 
 
+def test_in_lock_step_no_clock_is_read(monkeypatch):
+    times = TickTimes(measures=False)
+    monkeypatch.delattr(tick_times, "thread_s")
+    with times.spent("tree"), times.spent("leaf", "main"):
+        pass
+    assert times.shares() == ()
+
+
 def test_a_verb_is_named_by_the_capability_of_its_plugin():
     class Plain:
         def run(self):

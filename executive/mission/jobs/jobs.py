@@ -102,7 +102,7 @@ class Jobs:
         # Which calls a fault on purpose lets fail; None without such faults.
         self.faults: Injector | None = None
         # What a tick spends on calls, which beside the tick is little more than to send them.
-        self.times = TickTimes()
+        self.times = TickTimes(measures=not is_lock_step)
 
     def prepare(self) -> None:
         """Limit the memory of this process; in real time, start workers and wait for them.
