@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from executive.errors import ConfigError
 from executive.tree.problem import MissionFileError
 
 WRONG = (None, True, -1, 0, 2, 0.5, 1e9, "", "parsec", "{x}", "2 s", [], [3], {}, {"no": 1})
@@ -27,6 +28,7 @@ def edits(document: dict[str, Any], count: int, seed: int) -> Iterator[tuple[str
     """Yield so many edits, drawn with a seed: what was done, and the text of the document."""
     rng = random.Random(seed)
     places = list(_places(document))
+    rng.shuffle(places)
     for n in range(count):
         place = places[n % len(places)] if n < len(places) else rng.choice(places)
         changed = copy.deepcopy(document)
@@ -53,7 +55,7 @@ def answers(
     for name, text in edits(document, count, seed):
         try:
             found = hashlib.sha256(_plain(repr(read(text)), folder).encode()).hexdigest()[:12]
-        except MissionFileError as error:
+        except (ConfigError, MissionFileError) as error:
             found = _plain(str(error), folder)
         told[name] = found
     return told
