@@ -12,6 +12,7 @@ from executive_plugins.segmentation.ground_surface import GroundSurface, Surface
 from executive_plugins.segmentation.hollow_splitting import HollowSplitter
 from executive_plugins.segmentation.limits import Limits, limits_for
 from executive_plugins.segmentation.part_kind import Fault, PartJudge, left_out
+from executive_plugins.segmentation.plane_splitting import PlaneSplitter
 from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from executive_plugins.segmentation.shape import moments, principal_extents, spans
 from executive_plugins.segmentation.site_check import site_warnings, spacing_warnings, unit_warnings
@@ -64,7 +65,9 @@ class GroundAndClusters(Segmenter):
             limits.least_height_m,
             s.core_share,
         )
-        return HollowSplitter(by_gaps, self._by_convexity(limits))
+        by_convexity = self._by_convexity(limits)
+        by_planes = PlaneSplitter(limits.patch_m, limits.least_extent_m, by_convexity.is_one)
+        return HollowSplitter(by_gaps, by_planes, by_convexity)
 
     def _by_convexity(self, limits: Limits) -> ConvexSplitter:
         return ConvexSplitter(

@@ -1,11 +1,13 @@
-"""Splitting of clusters by gaps and valleys first, and of what is hollow still along its concave
-borders.
+"""Splitting of clusters by gaps and valleys first, then by planes between convex bodies, and of
+what is hollow still along its concave borders.
 """
 
 from dataclasses import dataclass
 
+import numpy as np
 from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.convex_splitting import ConvexSplitter
+from executive_plugins.segmentation.plane_splitting import PlaneSplitter
 
 from executive.arrays import Float, Int
 
@@ -16,10 +18,12 @@ class HollowSplitter:
 
     Attributes:
         by_gaps: Splits by gaps and valleys.
+        by_planes: Splits what is more likely two bodies that touch than one.
         by_convexity: Splits what is hollow or too long for one stone.
     """
 
     by_gaps: ClusterSplitter
+    by_planes: PlaneSplitter
     by_convexity: ConvexSplitter
 
     def count_tops(self, places: Float, heights: Float) -> int:
@@ -30,11 +34,14 @@ class HollowSplitter:
         """Return the rows of each stone's points in a cluster; arguments as in
         `ClusterSplitter.split`.
         """
-        found = []
-        for rows in self.by_gaps.split(points, places, heights):
-            if self.by_convexity.is_one(points[rows]):
-                found.append(rows)
-            else:
-                parts = self.by_convexity.split(points[rows], places[rows], heights[rows])
-                found += [rows[part] for part in parts]
+        level = np.column_stack([places, heights])
+        found = list[Int]()
+        for part in self.by_gaps.split(points, places, heights):
+            for body in self.by_planes.split(level[part]):
+                rows = part[body]
+                if self.by_convexity.is_one(points[rows]):
+                    found.append(rows)
+                else:
+                    parts = self.by_convexity.split(points[rows], places[rows], heights[rows])
+                    found += [rows[inner] for inner in parts]
         return found
