@@ -6,8 +6,11 @@ these are. It is recorded on the first use (some five minutes) in a folder outsi
 brought up to date where a test or what it reaches changed. If none fails, or none reaches the line,
 the slow tests follow that mirror the file, hold its contract or import it, unless `--no-slow`. A
 fault is killed if a test fails or does not end; otherwise it survives, and `not covered` says that
-no test even reaches the statement. Listed equivalent mutants are left out. A quarter of a minute a
-fault on an idle core; survivors take some minutes.
+no test even reaches the statement. Listed equivalent mutants are left out.
+
+The fast tests are collected once, and each run is a fork of the process that holds them, in which
+the function has the fault; what is done at the import, or compiled, is imported anew. So a fault
+costs what its tests cost: a second or two if it is killed, and up to minutes if it survives.
 
 Left alone are docstrings, log texts, error messages, annotations, lines with `pragma: no cover`,
 and the tests that ship in executive/testing. Compiled functions are changed like all others: none
