@@ -313,8 +313,7 @@ class Run:
         return None if path is None else Recorder(path, self._assembly.machine, self._model)
 
     def _save_map(self) -> None:
-        if "mapping" in self._assembly.plugins:
-            if self._mission is not None:
-                self._mission.services.streams.settle()
+        if self._mission is not None and "mapping" in self._assembly.plugins:
+            self._mission.services.streams.settle()
             cloud = self._assembly.plugins["mapping"].cloud()
             write_ply(self.folder.map, cloud.points, cloud.frame)

@@ -227,6 +227,24 @@ def test_ended_at_once_no_leaf_outlives_the_robot(tmp_path, monkeypatch):
     assert calls == ["stop", "close"]  # the leaf's clean-up stops the machine while there is one
 
 
+@pytest.mark.parametrize("capability", ["robot", "mapping", "objects"])
+def test_a_run_that_is_stopped_while_a_plugin_starts_is_stopped(tmp_path, monkeypatch, capability):
+    """Whichever plugin the signal meets: what has not started yet is asked for nothing."""
+    path = tmp_path / "dry.yaml"
+    path.write_text(PLUGINS + SWING)
+    made = Run(load_mission(str(path)), Options(run_dir=tmp_path / "run"))
+    plugin = made._assembly.plugins[capability]
+
+    def start(*_words, **_options):
+        raise Aborted("stopped while it was starting")
+
+    monkeypatch.setattr(plugin, "start", start)
+    result = made.execute(lambda mission: None)
+    assert (result.report.outcome, result.exit_status) == ("stopped", 1)
+    assert kinds(result) == ["mission_ended"]
+    assert not result.folder.map.exists()
+
+
 def test_a_recording_without_a_viewer_is_refused_before_anything_is_made(tmp_path):
     cure = "--record: the mission selects no viewer; add --set viewing.plugin=rerun"
     with pytest.raises(ConfigError, match=cure):
