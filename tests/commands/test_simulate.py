@@ -40,6 +40,18 @@ def test_the_world_is_kept_every_half_second_of_its_time():
     assert kept == [0.0, 0.5, 1.125, 1.625]
 
 
+def test_a_disk_that_is_full_is_told_once_and_ends_no_machine(caplog):
+    def keep(_time_s):
+        raise OSError(28, "No space left on device")
+
+    tend = _tended(SimpleNamespace(keep=keep))
+    server = SimpleNamespace(time_s=0.0, alone_s=0.0, is_ended=False)
+    for server.time_s in (0.0, 0.5, 1.0):
+        tend(server)
+    assert not server.is_ended
+    assert caplog.messages == ["the world cannot be kept: No space left on device"]
+
+
 @pytest.mark.parametrize(
     ("alone_s", "was_ended", "is_ended"),
     [(60.0, False, False), (60.1, False, True), (0.0, True, True)],

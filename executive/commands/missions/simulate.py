@@ -90,7 +90,7 @@ def simulate(
             server.run()
         finally:
             if keeper is not None:
-                keeper.end(server.time_s)
+                _is_kept(lambda: keeper.end(server.time_s), False)
     finally:
         assembly.close()
         if where.path:
@@ -138,17 +138,31 @@ def _surveys(
 
 
 def _tended(keeper: "WorldKeeper") -> "Callable[[MachineServer], None]":
-    """Return what keeps the world, and ends a machine that nobody drives any more."""
-    kept_s = -_KEPT_EVERY_S
+    """Return what keeps the world, and ends a machine that nobody drives any more.
+
+    A full disk ends no machine: its executive has to stop it first.
+    """
+    kept_s, has_failed = -_KEPT_EVERY_S, False
 
     def tend(server: "MachineServer") -> None:
-        nonlocal kept_s
+        nonlocal kept_s, has_failed
         if server.time_s - kept_s >= _KEPT_EVERY_S:
             kept_s = server.time_s
-            keeper.keep(server.time_s)
+            has_failed = not _is_kept(lambda: keeper.keep(server.time_s), has_failed)
         server.is_ended = server.is_ended or server.alone_s > _ALONE_S
 
     return tend
+
+
+def _is_kept(write: "Callable[[], None]", is_told: bool) -> bool:
+    """Write the state of the world; tell an error of the disk, unless that was told before."""
+    try:
+        write()
+    except OSError as error:
+        if not is_told:
+            logging.getLogger(__name__).warning("the world cannot be kept: %s", error.strerror)
+        return False
+    return True
 
 
 def _silence_s(text: str) -> float:
