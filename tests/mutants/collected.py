@@ -14,6 +14,7 @@ import os
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType
 from typing import Any
@@ -36,26 +37,26 @@ class Collected:
         root = Path.cwd()
         self._folders = tuple(f"{(root / folder).resolve()}{os.sep}" for folder in FOLDERS)
         self._called: set[tuple[str, str, int]] = set()
+        self._codes: dict[int, CodeType] = {}  # by identity: to hash a code is slow
         self._failed = ""
-        sys.setprofile(self._note)
+        sys.settrace(self._note)
 
     def _note(self, frame: FrameType, event: str, _: object) -> None:
-        """Note a function of the product that is called while the tests are collected."""
-        if event == "call":
-            code = frame.f_code
-            file = os.path.realpath(code.co_filename) if "build" in code.co_filename else ""
-            if (file or code.co_filename).startswith(self._folders):
-                self._called.add(_place(code))
+        """Note a function that is called while the tests are collected; its lines are not asked."""
+        self._codes[id(frame.f_code)] = frame.f_code
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Serve in place of running all tests; a fork runs those that it was asked for."""
-        sys.setprofile(None)
+        sys.settrace(None)
+        for code in self._codes.values():
+            if _real(code.co_filename).startswith(self._folders):
+                self._called.add(_place(code))
         items = {item.nodeid: item for item in session.items}
         functions: dict[str, list[FunctionType]] = defaultdict(list)
         for one in gc.get_objects():
             if type(one) is FunctionType:
-                functions[os.path.realpath(one.__code__.co_filename)].append(one)
+                functions[_real(one.__code__.co_filename)].append(one)
         gc.freeze()
         wanted = asked_of_a_fork()
         if wanted is None:
@@ -105,6 +106,9 @@ class Collected:
             if len(changed.co_freevars) != len(function.__code__.co_freevars):
                 raise RefusedError
             function.__code__ = changed
+
+
+_real = cache(os.path.realpath)  # of few files, for many functions
 
 
 def _is_imported(path: Path) -> bool:
