@@ -134,8 +134,13 @@ class Streams:
             self._count_fused(self._feed.settle)
 
     def state(self) -> BaseState:
-        """Return the newest state estimate."""
-        return self._estimator.state()
+        """Return the newest state estimate.
+
+        Raises:
+            WrongAnswerError: If the estimator returns something else, or a NaN.
+        """
+        state: BaseState = asked(self._estimator.state)
+        return state
 
     def recent_states(self) -> Sequence[BaseState]:
         """Return the states of the last second, in order of their stamps."""

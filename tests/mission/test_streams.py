@@ -162,6 +162,20 @@ def test_a_verb_that_answers_with_another_type_has_not_taken_its_observation(ver
         streams.process([SAMPLES[verb]])
 
 
+def test_a_state_of_another_type_is_named_whoever_asks_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    estimator, streams, _ = streamed()
+    assert streams.state().status == "INITIALISING"
+
+    def state(self: ToldEstimator) -> dict[str, int]:
+        return {}
+
+    monkeypatch.setattr(estimator, "state", MethodType(state, estimator))
+    with pytest.raises(WrongAnswerError, match=r"of the estimation plugin .* dict"):
+        streams.state()
+
+
 def test_a_state_that_holds_a_nan_is_refused() -> None:
     estimator, streams, _ = streamed()
     estimator.stamp_s = float("nan")
