@@ -6,14 +6,15 @@ import numpy as np
 import small_gicp
 from executive_plugins.alignment.settings import AlignmentSettings
 from executive_plugins.alignment.thinning import grid_for
-from scipy.spatial import cKDTree
 
 from executive.arrays import Float
+from executive.geometry.point_grid import PointGrid
 from executive.messages.alignment import Uncertainty
 
 # Root mean square distance to the nearest of points on a square grid, in its edge: 1 / sqrt(6).
 _DENSE = 0.4
 _PATCH_M = 0.25  # edge of the patches whose points are one observation
+_CELL = 3.0  # edge of the cells in which points are looked up, in that of the thinning: fastest
 _LEAST_STD_M = 0.005  # of residuals across the surface
 _WEAK = 4.0  # standard deviation of a weak direction, in that of the best determined one
 
@@ -75,14 +76,16 @@ def measure(
     """
     grid_m = grid_for(source, settings.voxel_m)
     thinned = small_gicp.voxelgrid_sampling(source, grid_m, 1).points()[:, :3]
-    distances, rows = cKDTree(target).query(thinned, distance_upper_bound=settings.gate_distance_m)
+    distances, rows = PointGrid(target, settings.voxel_m).nearest(thinned, settings.gate_distance_m)
     near = np.isfinite(distances)
     if not near.any():
         none = np.empty((0, 3))
         limit_m = settings.gate_distance_m
         return Closeness(limit_m, limit_m, limit_m, 0.0, none, none, limit_m, grid_m)
     feet = target[rows[near]]
-    nearest = cKDTree(np.array(surface.points()[:, :3])).query(feet)[1]
+    # The mean of the points in a cell is nearer to each of them than the cell's diagonal.
+    even = PointGrid(np.array(surface.points()[:, :3]), _CELL * settings.voxel_m)
+    nearest = even.nearest(feet, 2 * settings.voxel_m)[1]
     normals = np.array(surface.normals()[nearest, :3])
     across = np.einsum("ij,ij->i", thinned[near] - feet, normals)
     square = float(np.mean(distances[near] ** 2))

@@ -4,6 +4,7 @@ from executive_plugins.alignment.local_fit import fit
 from executive_plugins.alignment.settings import GicpSettings
 
 from executive.arrays import Float
+from executive.geometry.point_grid import compile_point_grid
 from executive.interfaces.alignment import Aligner
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
@@ -18,6 +19,10 @@ class Gicp(Aligner):
 
     def __init__(self, settings: GicpSettings) -> None:
         self._settings = settings
+
+    def start(self) -> None:
+        """Compile the inner loops, so that no cloud has to wait for them."""
+        compile_point_grid()
 
     def align(
         self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float

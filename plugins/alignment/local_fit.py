@@ -3,9 +3,9 @@
 import numpy as np
 import small_gicp
 from executive_plugins.alignment.closeness import Closeness, measure, weak_direction
+from executive_plugins.alignment.even_points import EvenPoints
 from executive_plugins.alignment.settings import AlignmentSettings
-from executive_plugins.alignment.thinning import grid_for, spacing_m
-from scipy.spatial import cKDTree
+from executive_plugins.alignment.thinning import grid_for
 
 from executive.arrays import Float
 from executive.clock import wall_s
@@ -125,11 +125,11 @@ def _optimise(
     prepared, tree = small_gicp.preprocess_points(target, settings.voxel_m, settings.neighbours, 1)
     grid_m = grid_for(source, settings.voxel_m)
     moving, _ = small_gicp.preprocess_points(source, grid_m, settings.neighbours, 1)
-    nearest = cKDTree(prepared.points()[:, :3])
-    apart_m = spacing_m(nearest, settings.neighbours)
+    even = EvenPoints(np.array(prepared.points()[:, :3]), settings.voxel_m)
+    apart_m = even.spacing_m(settings.neighbours)
     last_m, T = max(0.5 * settings.gate_distance_m, apart_m), np.eye(4)
     for method, reach_m in (("GICP", max_distance_m), (kind, 2 * last_m), (kind, last_m)):
-        facing = _facing(prepared, nearest, moving, T)
+        facing = _facing(prepared, even, moving, T)
         if len(facing) < settings.min_points:
             break
         some = small_gicp.PointCloud(facing)
@@ -150,13 +150,13 @@ def _optimise(
 
 
 def _facing(
-    target: small_gicp.PointCloud, tree: cKDTree, source: small_gicp.PointCloud, T: Float
+    target: small_gicp.PointCloud, even: EvenPoints, source: small_gicp.PointCloud, T: Float
 ) -> Float:
     """Return the source's points whose face is within 45 degrees of that of the nearest target
     point, shape (N, 3).
     """
     points, normals = np.array(source.points()[:, :3]), source.normals()[:, :3]
-    _, nearest = tree.query(transform(T, points))
+    nearest = even.nearest(transform(T, points))
     cosines = np.einsum("ij,ij->i", normals @ T[:3, :3].T, target.normals()[nearest, :3])
     return np.asarray(points[np.abs(cosines) > np.sqrt(0.5)])
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from executive_plugins.alignment.even_points import EvenPoints
 from executive_plugins.alignment.gicp import Gicp
 from executive_plugins.alignment.local_fit import _within_reach
 from executive_plugins.alignment.point_to_plane import PointToPlane
 from executive_plugins.alignment.settings import GicpSettings, PointToPlaneSettings
-from executive_plugins.alignment.thinning import grid_for, spacing_m
-from scipy.spatial import cKDTree
+from executive_plugins.alignment.thinning import grid_for
 
 from executive.errors import DataError
 from executive.geometry.pose import inverse, pose, transform
@@ -216,8 +216,10 @@ def test_other_ground_is_refused_however_far_its_points_are_apart() -> None:
 
 def test_spacing_is_the_edge_of_a_square_grid() -> None:
     grid = np.mgrid[0:30, 0:30, 0:1].reshape(3, -1).T * 0.07
-    assert spacing_m(cKDTree(grid), 12) == pytest.approx(0.07, rel=0.15)  # 12 lie in two rings
-    assert spacing_m(cKDTree(grid[:1]), 12) == 0.0
+    assert EvenPoints(grid, 0.05).spacing_m(12) == pytest.approx(
+        0.07, rel=0.15
+    )  # 12 lie in two rings
+    assert EvenPoints(grid[:1], 0.05).spacing_m(12) == 0.0
 
 
 def test_a_cloud_of_many_points_is_thinned_on_a_coarser_grid() -> None:
@@ -234,3 +236,10 @@ def test_points_in_reach_are_those_beside_the_others_on_every_side(axis: int) ->
     points = np.full((len(places), 3), 2.0)
     points[:, axis] = places
     assert _within_reach(points, others, 1.0).tolist() == [False, True, True, True, True, False]
+
+
+def test_the_nearest_of_a_thinned_surface_are_found_near_and_far() -> None:
+    rng = np.random.default_rng(0)
+    points, queries = rng.uniform(-1, 1, (500, 3)), rng.uniform(-4, 4, (300, 3))
+    apart = np.linalg.norm(queries[:, None] - points, axis=2)
+    assert np.array_equal(EvenPoints(points, 0.05).nearest(queries), apart.argmin(axis=1))
