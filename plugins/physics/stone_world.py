@@ -6,7 +6,7 @@ which piles creep by decimetres in 20 s, and no sleeping bodies, since a body th
 every test of stability.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -102,11 +102,18 @@ class StoneWorld:
         """Advance by time steps."""
         mujoco.mj_step(self.model, self.data, nstep=count)
 
-    def settle(self, least_s: float, most_s: float, still: float = 0.01) -> bool:
+    def settle(
+        self,
+        least_s: float,
+        most_s: float,
+        still: float = 0.01,
+        is_over: Callable[[], bool] | None = None,
+    ) -> bool:
         """Step until all free stones are slower than `still` [m/s, rad/s], or the time is over.
 
         A stone that shakes on the spot rests, too: on ground that is a height field, and in some
         postures, contacts do not die down. It is one that has not strayed within half a second.
+        If `is_over` says so in between, nothing more is of interest.
 
         Returns:
             Whether they rest.
@@ -117,6 +124,8 @@ class StoneWorld:
         low = high = np.array(self.data.qpos)
         while self.data.time - begun < most_s:
             self.step(every)
+            if is_over is not None and is_over():
+                return False
             low, high = np.minimum(low, self.data.qpos), np.maximum(high, self.data.qpos)
             if self.data.time - begun >= least_s and self.speed() < still:
                 return True

@@ -17,9 +17,31 @@ from executive.messages.solid_stone import SolidStone
 _STEP_M = 0.01  # of the lowering: a guarded descent ends within this of the first touch
 _MOST_M = 1.0  # how far a stone is raised to be free, or lowered to touch
 _LEAST_S, _MOST_S = 0.6, 4.0
+_TOUCHING_M = 5e-3  # half of what ten convex pieces are off a scan (convex_pieces.py)
+_GONE = 1.5  # times its bounds, from where a stone does not sway back
 _AWAY_M = 1e3  # height of the stone until it is released: it meets nothing there
 _PARTING = 80  # pairs of steps in which overlaps are parted; each parts a tenth or more
 _REST_S, _STILL_M = 3.0, 1e-3  # until the others move less than this within `_LEAST_S`
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bounds:
+    """A pose, and how far a stone may be from it to be there: farther is somewhere else.
+
+    Attributes:
+        T_map_stone: The pose, shape (4, 4).
+        far_m: Largest distance [m].
+        far_rad: Largest rotation [rad].
+    """
+
+    T_map_stone: Float
+    far_m: float
+    far_rad: float
+
+    def holds(self, T_map_stone: Float, share: float = 1.0) -> bool:
+        """Return whether a pose is within a multiple of the bounds."""
+        distance_m, angle_rad = apart(self.T_map_stone, T_map_stone)
+        return distance_m <= share * self.far_m and angle_rad <= share * self.far_rad
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,8 +90,12 @@ class Trial:
         away = StandingStone(stone, pose(t=np.array([0.0, 0.0, _AWAY_M])))
         self.world = StoneWorld(built.ground, (*resting, away), [*held, False], rules)
 
-    def release(self, T_map_stone: Float, height_m: float) -> Outcome:
-        """Lower the stone to first touch, raise it by `height_m`, and let it go."""
+    def release(self, T_map_stone: Float, height_m: float, bounds: Bounds | None = None) -> Outcome:
+        """Lower the stone to first touch, raise it by `height_m`, and let it go.
+
+        The release ends early, and not at rest, when the stone is one and a half times as far off
+        as its bounds allow: a stone that only sways does not come as far.
+        """
         world = self.world
         mujoco.mj_resetData(world.model, world.data)
         for number in world.free:
@@ -78,12 +104,20 @@ class Trial:
         T = self._touching(T_map_stone)
         T[2, 3] += height_m
         world.set_pose(self._new, T)
-        is_at_rest = world.settle(_LEAST_S, _MOST_S)
+        is_over = None
+        if bounds is not None:
+            here = bounds
+            is_over = lambda: not here.holds(world.pose_of(self._new), _GONE)
+        is_at_rest = world.settle(_LEAST_S, _MOST_S, is_over=is_over)
         return Outcome(T, world.pose_of(self._new), self._moved_m(), is_at_rest)
 
     def touches(self) -> list[Touch]:
-        """Return where the new stone touches now; the others count as what cannot move."""
-        return touches_of(self.world, only=self._new)
+        """Return where the new stone touches now; the others count as what cannot move.
+
+        Faces that are closer than the shapes are true count as touching: a stone at rest sways by
+        fractions of a millimetre, and in one instant bears on fewer points than it does.
+        """
+        return touches_of(self.world, only=self._new, within_m=_TOUCHING_M)
 
     def poses(self) -> Sequence[Float]:
         """Return the present poses of all stones, the new one last."""
@@ -163,15 +197,18 @@ def apart(T_a: Float, T_b: Float) -> tuple[float, float]:
     return float(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3])), angle_between(T_a[:3, :3], T_b[:3, :3])
 
 
-def touches_of(world: StoneWorld, only: int | None = None) -> list[Touch]:
+def touches_of(world: StoneWorld, only: int | None = None, within_m: float = 0.0) -> list[Touch]:
     """Return the contacts of a world in its present state.
 
     Args:
         world: The world.
+        within_m: Gap up to which two faces are in contact [m].
         only: The one stone whose balance is asked for; all others count as what cannot move, and
             it is number 0.
     """
-    mujoco.mj_forward(world.model, world.data)
+    world.model.geom_margin[:] = within_m
+    mujoco.mj_fwdPosition(world.model, world.data)
+    world.model.geom_margin[:] = 0.0
     first = world.model.body("stone_0").id
     found = []
     for contact in world.data.contact:

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from executive_plugins.physics.equilibrium import largest_load
 from executive_plugins.physics.stone_world import WorldRules
-from executive_plugins.physics.trial import Outcome, Trial, apart, disturbed, rest_of
+from executive_plugins.physics.trial import Bounds, Outcome, Trial, apart, rest_of
 from executive_plugins.placing.dry_stone.parts import Place, Stability
+from executive_plugins.placing.dry_stone.releases import releases
 from executive_plugins.placing.dry_stone.settings import CheckSettings
 
 from executive.arrays import Bool, Float
@@ -102,7 +103,9 @@ class Checks:
     ) -> Stability:
         """Return where the stone comes to rest, or why it does not hold."""
         trial = self._trials.of(built, place)
-        nominal = trial.release(place.T_map_stone, _RELEASE_M)
+        nominal = trial.release(
+            place.T_map_stone, _RELEASE_M, Bounds(place.T_map_stone, _FAR_M, _FAR_RAD)
+        )
         refusal = self._refusal(nominal, place.T_map_stone, _FAR_M, _FAR_RAD)
         terms: dict[str, float] = {}
         if not refusal and self._has_equilibrium:
@@ -124,11 +127,11 @@ class Checks:
     ) -> Stability:
         s, worst_m, worst_rad = self._settings, 0.0, 0.0
         T = nominal.T_map_settled
-        for _ in range(s.samples):
+        # The stone is let go where it is expected to rest: from there noise leads least far.
+        for start in releases(T, s.samples, s.noise, s.tilt_noise, rng):
             if not may_go_on():
                 return Stability("out_of_time", T, worst_m, worst_rad, terms)
-            # The stone is let go where it is expected to rest: from there noise leads least far.
-            tried = trial.release(disturbed(T, s.noise, s.tilt_noise, rng), _RELEASE_M)
+            tried = trial.release(start, _RELEASE_M, Bounds(T, s.worst, s.worst_tilt))
             far_m, far_rad = apart(T, tried.T_map_settled)
             worst_m, worst_rad = max(worst_m, far_m), max(worst_rad, far_rad)
             if refusal := self._refusal(tried, T, s.worst, s.worst_tilt):
@@ -137,12 +140,12 @@ class Checks:
 
     def _refusal(self, found: Outcome, T: Float, far_m: float, far_rad: float) -> str:
         distance_m, angle_rad = apart(T, found.T_map_settled)
-        if not found.is_at_rest:
-            return "comes_to_no_rest"
         if distance_m > far_m:
             return "slides_away"
         if angle_rad > far_rad:
             return "topples"
+        if not found.is_at_rest:
+            return "comes_to_no_rest"
         return "moves_others" if found.moved_m > self._settings.moved else ""
 
     def _apart(self, found: Outcome) -> tuple[float, float]:
