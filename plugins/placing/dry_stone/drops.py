@@ -17,8 +17,8 @@ from executive.messages.solid_stone import SolidStone
 from executive.messages.structure import Structure
 
 # Columns of what is measured at a place.
-HEIGHT, CONTACT, VOID, MARGIN, SHARE, OUTSIDE, DEPTH, TOP, BESIDE = range(9)
-_COLUMNS = 9
+HEIGHT, CONTACT, VOID, MARGIN, SHARE, OUTSIDE, DEPTH, TOP, BESIDE, RISE = range(10)
+_COLUMNS = 10
 _DIRECTIONS = 8  # in which the support margin is measured
 _REHEARSED_CELL_M = 0.25  # any: a tetrahedron of a metre and a wall of two have nodes then
 _BESIDE = 0.35  # share of the stone's height up to which a neighbour must reach to be beside it
@@ -35,6 +35,8 @@ class DropRules:
         stride: Places are this many nodes apart.
         most_outside: Share of the stone off the foot of the envelope from which a place is not
             measured: it is given the share 1 and an infinite height of its top.
+        highest_m: Height of the stone's top above the ground from which it is not measured [m].
+        most_rise_m: Rise, see `drops`, from which it is not measured [m].
     """
 
     touch_m: float
@@ -42,6 +44,8 @@ class DropRules:
     tan_right: float
     stride: int
     most_outside: float = 1.0
+    highest_m: float = np.inf
+    most_rise_m: float = np.inf
 
 
 def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Float]:
@@ -49,10 +53,11 @@ def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Flo
 
     Returns:
         Node of the stone's origin relative to the wall's corner, shape (P, 2), and its
-        measurements, shape (P, 9): height of the origin, share of the underside that touches, mean
+        measurements, shape (P, 10): height of the origin, share of the underside that touches, mean
         gap below it, distance by which the centre of mass is within its support, largest share of
         the contact that belongs to one stone (1 on the ground), share outside the envelope, least
-        depth in it, height of the top above the ground, share of the rim with a neighbour beside.
+        depth in it, height of the top above the ground, share of the rim with a neighbour beside,
+        and by how much it comes to lie higher where it is let go a little beside the place.
     """
     inside = (wall.room > 0).all(axis=0)
     places = np.argwhere(inside)
@@ -61,10 +66,15 @@ def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Flo
     last = np.array(wall.top.shape) - stone.under.shape
     first = places + stone.first
     places = places[(first >= 1).all(axis=1) & (first < last - 1).all(axis=1)]
+    return places, measured_at(places, wall, stone, rules)
+
+
+def measured_at(places: Int, wall: WallTop, stone: StoneRaster, rules: DropRules) -> Float:
+    """Return what is found at places (P, 2), nodes of the stone's origin, as `drops` does."""
     found = np.empty((len(places), _COLUMNS))
     if len(places):
         _measure(
-            wall.top,
+            np.stack([wall.top, wall.raised, wall.near]),
             wall.owner,
             wall.ground,
             wall.room,
@@ -73,10 +83,13 @@ def drops(wall: WallTop, stone: StoneRaster, rules: DropRules) -> tuple[Int, Flo
             stone.over,
             stone.first,
             places,
-            np.array([rules.touch_m, rules.tan_left, rules.tan_right, rules.most_outside]),
+            np.array([
+                rules.touch_m, rules.tan_left, rules.tan_right, rules.most_outside, rules.highest_m,
+                rules.most_rise_m,
+            ]),
             found,
-        )
-    return places, found
+        )  # fmt: skip
+    return found
 
 
 def compile_drops() -> None:
@@ -92,8 +105,9 @@ def compile_drops() -> None:
 
 
 @njit(cache=True)
-def _measure(top, owner, ground, room, cell, under, over, first, places, rules, found):  # type: ignore[no-untyped-def]  # noqa: PLR0913 - compiled: no classes
+def _measure(tops, owner, ground, room, cell, under, over, first, places, rules, found):  # type: ignore[no-untyped-def]  # noqa: PLR0913 - compiled: no classes
     count = np.zeros(int(owner.max()) + 2)
+    highest, top = rules[4] + ground.max(), tops[0]
     reach = np.zeros(_DIRECTIONS)
     for p in range(len(places)):
         x, y = places[p, 0] + first[0], places[p, 1] + first[1]
@@ -101,7 +115,13 @@ def _measure(top, owner, ground, room, cell, under, over, first, places, rules, 
             found[p] = 0.0
             found[p, OUTSIDE], found[p, TOP] = 1.0, np.inf
             continue
-        z = _rest(top, under, x, y)
+        z = rest_height(top, under, x, y)
+        # The highest of all heights at which it rests around here, since maxima can be exchanged.
+        rise = 0.0 if z + over.max() > highest else rest_height(tops[1], under, x, y) - z
+        if z + over.max() > highest or rise > rules[5]:
+            found[p] = 0.0
+            found[p, OUTSIDE], found[p, TOP] = 1.0, np.inf
+            continue
         count[:], reach[:] = 0.0, -np.inf
         cells, touching, gaps, outside = 0, 0, 0.0, 0
         depth, tallest = np.inf, -np.inf
@@ -129,7 +149,7 @@ def _measure(top, owner, ground, room, cell, under, over, first, places, rules, 
         found[p, VOID], found[p, MARGIN] = gaps / cells, reach.min()
         found[p, SHARE] = 1.0 if on_stones < count[0] else count[1:].max() / on_stones
         found[p, OUTSIDE], found[p, DEPTH], found[p, TOP] = outside / cells, depth, tallest
-        found[p, BESIDE] = _beside(top, under, over, x, y, z)
+        found[p, BESIDE], found[p, RISE] = _beside(tops[2], under, over, x, y, z), rise
 
 
 @njit(cache=True)
@@ -149,7 +169,7 @@ def _is_off_foot(room, under, x, y, most):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _rest(top, under, x, y):  # type: ignore[no-untyped-def]
+def rest_height(top, under, x, y):  # type: ignore[no-untyped-def]
     """Return the height of the origin at which the underside first touches."""
     z = -np.inf
     for i in range(under.shape[0]):
@@ -169,7 +189,7 @@ def _reach(reach, dx, dy):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _beside(top, under, over, x, y, z):  # type: ignore[no-untyped-def]
-    """Return the share of the nodes just off the stone where something stands beside it."""
+    """Return the share of the nodes just off the stone that something stands beside."""
     low, high = np.inf, -np.inf
     for i in range(under.shape[0]):
         for j in range(under.shape[1]):

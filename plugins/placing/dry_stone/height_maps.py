@@ -4,13 +4,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from executive_plugins.placing.dry_stone import drops as measured
-from executive_plugins.placing.dry_stone.drops import DropRules, drops
+from executive_plugins.placing.dry_stone.drops import DropRules, drops, measured_at
 from executive_plugins.placing.dry_stone.orientations import orientations
-from executive_plugins.placing.dry_stone.parts import Places
-from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
+from executive_plugins.placing.dry_stone.parts import Place, Places
+from executive_plugins.placing.dry_stone.rasters import StoneRaster, WallTop, raster_of
+from executive_plugins.placing.dry_stone.resting import at_rest
 from executive_plugins.placing.dry_stone.settings import GeneratorSettings
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.interfaces.building import MayGoOn
 from executive.messages.building import AsBuilt
 from executive.messages.solid_stone import SolidStone
@@ -24,6 +25,7 @@ _NAMES = {
     "depth_m": measured.DEPTH,
     "top_m": measured.TOP,
     "beside_share": measured.BESIDE,
+    "rise_m": measured.RISE,
 }
 
 
@@ -32,6 +34,7 @@ class HeightMaps:
 
     def __init__(self, settings: GeneratorSettings) -> None:
         self._settings = settings
+        self._seen: tuple[AsBuilt, WallTop] | None = None
 
     def places(
         self,
@@ -41,16 +44,16 @@ class HeightMaps:
         may_go_on: MayGoOn,
     ) -> Iterator[Sequence[Places]]:
         """Yield the places of each stone within the envelope and supported below its centre."""
-        wall = WallTop(built, self._settings.cell)
+        wall = self._top_of(built)
         heading = built.structure.heading_rad(built.structure.length_m / 2)
-        highest_m = built.structure.height_m + self._over_top_m(inventory)
+        rules = self._rules(built, inventory)
         for stone in inventory:
             if not may_go_on():
                 return
             s = self._settings
             sides = None if s.attitude == "kept" else s.sides
             turned = orientations(stone.vertices, sides, s.turns, heading)
-            yield [self._of_orientation(stone, R, wall, built, highest_m) for R in turned]
+            yield [self._of_orientation(stone, R, wall, rules) for R in turned]
 
     def _over_top_m(self, inventory: Sequence[SolidStone]) -> float:
         """Return how far a stone may stand above the envelope [m].
@@ -63,25 +66,64 @@ class HeightMaps:
         return float(np.median([stone.extents_m[2] for stone in inventory])) / 2
 
     def _of_orientation(
-        self, stone: SolidStone, R: Float, wall: WallTop, built: AsBuilt, highest_m: float
+        self, stone: SolidStone, R: Float, wall: WallTop, rules: DropRules
     ) -> Places:
+        raster = raster_of(stone.vertices, stone.triangles, R, self._settings.cell)
+        return self._fitting(stone, raster, *drops(wall, raster, rules), wall, rules)
+
+    def at_rest(
+        self, place: Place, built: AsBuilt, inventory: Sequence[SolidStone]
+    ) -> Places | None:
+        """Return a place in the tilt in which the stone rests there, measured anew.
+
+        None if it tilts by more than 20°, or does not fit then.
+        """
+        wall, T = self._top_of(built), place.T_map_stone
+        node = np.rint(T[:2, 3] / wall.cell_m).astype(np.int64) - wall.corner
+        raster = at_rest(place.stone, T[:3, :3], node, wall)
+        if raster is None:
+            return None
+        rules, nodes = self._rules(built, inventory), node[None]
+        found = measured_at(nodes, wall, raster, rules)
+        fitting = self._fitting(place.stone, raster, nodes, found, wall, rules)
+        return fitting if len(fitting.origins_map) else None
+
+    def _top_of(self, built: AsBuilt) -> WallTop:
+        if self._seen is None or self._seen[0] is not built:
+            self._seen = built, WallTop(built, self._settings.cell, self._settings.astray)
+        return self._seen[1]
+
+    def _rules(self, built: AsBuilt, inventory: Sequence[SolidStone]) -> DropRules:
         s, structure = self._settings, built.structure
         lean = float(np.tan(structure.batter_rad))
         right = lean if structure.faces == 2 else 0.0
-        rules = DropRules(s.touch, lean, right, s.stride, s.most_outside)
-        raster = raster_of(stone.vertices, stone.triangles, R, s.cell)
-        nodes, found = drops(wall, raster, rules)
+        highest_m = structure.height_m + self._over_top_m(inventory)
+        return DropRules(s.touch, lean, right, s.stride, s.most_outside, highest_m, s.most_rise)
+
+    def _fitting(
+        self,
+        stone: SolidStone,
+        raster: StoneRaster,
+        nodes: Int,
+        found: Float,
+        wall: WallTop,
+        rules: DropRules,
+    ) -> Places:
+        """Return the places of one orientation that are in the envelope and supported."""
         fits = (
-            (found[:, measured.OUTSIDE] <= s.most_outside)
-            & (found[:, measured.TOP] <= highest_m)
+            (found[:, measured.OUTSIDE] <= rules.most_outside)
+            & (found[:, measured.TOP] <= rules.highest_m)
             & (found[:, measured.MARGIN] > 0)
+            & (found[:, measured.RISE] <= rules.most_rise_m)
         )
-        xy = (nodes[fits] + wall.corner) * s.cell
+        xy = (nodes[fits] + wall.corner) * wall.cell_m
         origins = np.column_stack([xy, found[fits, measured.HEIGHT]])
         names = {name: found[fits, column] for name, column in _NAMES.items()}
         is_stone = np.isfinite(raster.under)
-        foot_m2 = float(is_stone.sum()) * s.cell**2
+        foot_m2 = float(is_stone.sum()) * wall.cell_m**2
         height_m = float(raster.over[is_stone].max() - raster.under[is_stone].min())
         names["void_m3"] = foot_m2 * names["mean_gap_m"]
         names["bottom_m"] = names["top_m"] - height_m
-        return Places(stone, R, origins, names)
+        over = raster.over[is_stone]
+        names["top_gap_m"] = np.full(len(origins), over.max() - over.mean())
+        return Places(stone, raster.R, origins, names)

@@ -7,7 +7,7 @@ part that it replaces. Only its one method counts.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Protocol, TypeVar, cast
+from typing import Protocol, TypeVar, cast, runtime_checkable
 
 import numpy as np
 
@@ -33,7 +33,8 @@ class Places:
         measured: What was measured at each place, shape (P,) each, by name: `contact_share`,
             `mean_gap_m`, `support_margin_m`, `largest_support_share`, `outside_share`, `depth_m`,
             `top_m`, `beside_share`, `void_m3` below the stone, `bottom_m` of its lowest point
-            above the ground, taken from its top.
+            above the ground, taken from its top, `rise_m` where it is let go a little beside,
+            `top_gap_m` of its upper side below its highest point, in the mean.
     """
 
     stone: SolidStone
@@ -82,6 +83,16 @@ class Generator(Protocol):
         may_go_on: MayGoOn,
     ) -> Iterator[Sequence[Places]]:
         """Yield all places of one stone after the other."""
+
+
+@runtime_checkable
+class TiltsToRest(Protocol):
+    """What a generator may do besides: let a stone tilt at its place, before any check."""
+
+    def at_rest(
+        self, place: "Place", built: AsBuilt, inventory: Sequence[SolidStone]
+    ) -> Places | None:
+        """Return one place, measured in the tilt in which the stone rests; None if it topples."""
 
 
 class Scorer(Protocol):

@@ -15,6 +15,7 @@ from executive_plugins.placing.dry_stone.parts import (
     Scorer,
     Stability,
     StabilityCheck,
+    TiltsToRest,
     part_of,
 )
 from executive_plugins.placing.dry_stone.rasters import WallTop
@@ -58,6 +59,7 @@ class _Search:
         may_go_on: Whether there is time.
         refused: Number of stones and places that were passed over, by reason.
         checked: Stone and pose of the places that were checked.
+        rested: Those at which the stone was let tilt, as it first touched.
     """
 
     built: AsBuilt
@@ -66,6 +68,7 @@ class _Search:
     may_go_on: MayGoOn
     refused: Counter[str]
     checked: set[tuple[str, bytes]] = field(default_factory=set)
+    rested: set[tuple[str, bytes]] = field(default_factory=set)
 
     def unchecked(self, places: Sequence[Place]) -> list[Place]:
         """Return the places that were not checked yet."""
@@ -178,6 +181,23 @@ class DryStone(StructurePlanner):
             if not any(len(one.origins_map) for one in places):
                 search.refused["no_place"] += 1
             found += self._best(places, kept, search)
+        return self._at_rest(sorted(found, key=lambda one: -one.score), search)
+
+    def _at_rest(self, ranked: Sequence[Place], search: "_Search") -> list[Place]:
+        """Return the best places anew, each in the tilt in which its stone comes to rest there."""
+        s, generator = self._settings.generator, self._generator
+        if s.attitude == "kept" or not s.rested or not isinstance(generator, TiltsToRest):
+            return list(ranked)
+        found: list[Place] = []
+        for place in [one for one in ranked if _key(one) not in search.rested][: s.rested]:
+            if not search.may_go_on():
+                break
+            search.rested.add(_key(place))
+            places = generator.at_rest(place, search.built, search.usable)
+            if places is None:
+                search.refused["tilts_away"] += 1
+            else:
+                found += self._best([places], 1, search)
         return sorted(found, key=lambda one: -one.score)
 
     def _best(self, found: Sequence[Places], kept: int, search: "_Search") -> list[Place]:

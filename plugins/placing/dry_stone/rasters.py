@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from scipy.ndimage import maximum_filter
 
 from executive.arrays import Float, Int
 from executive.messages.building import AsBuilt
 
+_BESIDE_M = 0.10  # beyond its rim, a neighbour is beside a stone that is let go with some noise
 _MARGIN_M = 0.6  # around the foot of the envelope: stones that stick out are seen
 
 
@@ -75,9 +77,11 @@ class WallTop:
         ground: Height of the ground [m], shape (I, J).
         room: How deep each node is in the envelope at the foot: from the left face, from the right
             face, and from the nearer end [m], shape (3, I, J).
+        raised: The highest top within `astray_m` [m], shape (I, J).
+        near: The highest top within 10 cm [m], shape (I, J).
     """
 
-    def __init__(self, built: AsBuilt, cell_m: float) -> None:
+    def __init__(self, built: AsBuilt, cell_m: float, astray_m: float = 0.0) -> None:
         self.cell_m = cell_m
         low, high = built.structure.bounds()
         self.corner = np.floor((low - _MARGIN_M) / cell_m).astype(np.int64)
@@ -91,6 +95,8 @@ class WallTop:
         for number, one in enumerate(built.standing):
             T = one.T_map_stone
             self._add(number, raster_at(one.stone.vertices, one.stone.triangles, T, cell_m))
+        self.raised = _highest_within(self.top, astray_m / cell_m)
+        self.near = _highest_within(self.top, _BESIDE_M / cell_m)
 
     def share_up_to(self, height_m: float) -> float:
         """Return which share of the inner half of the foot is built up to a height [m], 0 to 1."""
@@ -110,6 +116,12 @@ class WallTop:
         is_higher = over > self.top[here]
         self.top[here][is_higher] = over[is_higher]
         self.owner[here][is_higher] = number
+
+
+def _highest_within(top: Float, cells: float) -> Float:
+    reach = np.arange(-int(cells + 1e-9), int(cells + 1e-9) + 1)
+    is_near = np.hypot(reach[:, None], reach[None, :]) <= cells + 1e-9
+    return np.asarray(maximum_filter(top, footprint=is_near, mode="nearest"))
 
 
 def raster_at(vertices: Float, triangles: Int, T: Float, cell_m: float) -> StoneRaster:

@@ -12,7 +12,7 @@ class Weights(Settings):
     """Weights of the named terms of a place: about 0 to 1, `void` -1 to 0; more is better."""
 
     volume: float = Field(
-        1.0, ge=-100, le=100, description="Volume over that of the inventory's largest stone."
+        2.0, ge=-100, le=100, description="Volume over that of the inventory's largest stone."
     )
     contact: float = Field(1.0, ge=-100, le=100, description="Share of the underside that touches.")
     void: float = Field(1.0, ge=-100, le=100, description=(
@@ -25,14 +25,17 @@ class Weights(Settings):
         0.6, ge=-100, le=100, description="1 flush with a face, 0 at 0.3 m behind it."
     )
     interlock: float = Field(
-        0.6, ge=-100, le=100, description="Share of the contact not on one stone alone."
+        1.0, ge=-100, le=100, description="Share of the contact not on one stone alone."
     )
     margin: float = Field(
         1.0, ge=-100, le=100, description="Support around the centre of mass, over 0.2 m."
     )
     beside: float = Field(
-        0.5, ge=-100, le=100, description="Share of the rim with a neighbour beside it."
+        1.0, ge=-100, le=100, description="Share of the rim with a neighbour within 15 cm."
     )
+    flat: float = Field(1.0, ge=-100, le=100, description=(
+        "1 if its upper side is level, 0 if that is 0.3 m below its highest point in the mean."
+    ))  # fmt: skip
 
 
 class GeneratorSettings(Settings):
@@ -50,11 +53,21 @@ class GeneratorSettings(Settings):
     most_outside: float = Field(
         0.12, ge=0, le=1, description="Largest share of the stone, from above, off the envelope."
     )
+    astray: Meters = Field(0.075, ge=0, le=0.5, description=(
+        "How far a stone may be let go beside its place [m]: 2.5 standard deviations of a release."
+    ))  # fmt: skip
+    most_rise: Meters = Field(0.10, gt=0, description=(
+        "Largest height by which it may rest higher there [m]; in a gap that is too narrow it "
+        "rests on the neighbours."))  # fmt: skip
     over_top: Meters | None = Field(None, ge=0, le=1, description=(
         "How far a stone may stand above the envelope [m]; without it half of the thickness of "
         "the stones at hand, so that tops lie about the height that is wanted."))  # fmt: skip
-    stones: int = Field(10, ge=1, description="Stones of the inventory that are tried at a time.")
+    stones: int = Field(20, ge=1, description="Stones of the inventory that are tried at a time.")
     kept: int = Field(5, ge=1, description="Places of each stone that are kept.")
+    rested: int = Field(48, ge=0, description=(
+        "Best places of each lot at which the stone tilts to rest on the height map before it is "
+        "ranked again and checked; 0 checks it as it first touches. `kept` attitudes do not tilt."
+    ))  # fmt: skip
 
 
 class ScorerSettings(Settings):
@@ -75,7 +88,7 @@ class CheckSettings(Settings):
     tilt_noise: Radians = Field(0.035, ge=0, le=0.5, description=(
         "Standard deviation of its rotation about each axis [rad]."))  # fmt: skip
     samples: int = Field(8, ge=1, le=100, description="Releases under noise that are tried.")
-    worst: Meters = Field(0.08, gt=0, description="Largest distance from the plan of any [m].")
+    worst: Meters = Field(0.10, gt=0, description="Largest distance from the plan of any [m].")
     worst_tilt: Radians = Field(0.14, gt=0, description="Largest rotation from it [rad].")
     moved: Meters = Field(0.06, gt=0, description="Largest motion of any other stone [m].")
     friction: float = Field(0.6, gt=0, le=2, description="Coefficient of friction.")

@@ -16,7 +16,7 @@ from executive.messages.building import AsBuilt
 from executive.messages.solid_stone import SolidStone
 
 # Lengths at which a term has reached the end of its scale.
-_FACE_M, _MARGIN_M = 0.3, 0.2
+_FACE_M, _MARGIN_M, _UNEVEN_M = 0.3, 0.2, 0.3
 
 
 class Weighted:
@@ -40,5 +40,6 @@ class Weighted:
             "interlock": 1 - m["largest_support_share"],
             "margin": np.minimum(1.0, m["support_margin_m"] / _MARGIN_M),
             "beside": m["beside_share"],
+            "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),
         }
         return {name: self._weights[name] * value for name, value in terms.items()}

@@ -122,6 +122,18 @@ def test_heights_follow_a_slope_of_five_degrees() -> None:
     assert 0.15 < above < 0.45  # half of a side of 0.7, 0.6 or 0.35 m, and the rise below it
 
 
+def test_a_stone_on_a_slope_of_five_degrees_holds_by_every_check() -> None:
+    slope = np.radians(5.0)
+    ground = HeightGrid.plane(np.array([-4.0, -4.0]), np.array([4.0, 4.0]), slope)
+    built = AsBuilt(bare().structure, ground)
+    settings = {"check": {"pieces": 1, "samples": 3}, "generator": {"cell": 0.1, "sides": 1}}
+    checked = DryStone(DryStoneSettings.model_validate(settings))
+    target = checked.propose(built, boxes()[:1], rng()).targets[0]
+    assert 0.0 < target.worst_m < 0.1
+    up = target.T_map_settled[:3, :3].T @ [-np.sin(slope), 0.0, np.cos(slope)]
+    assert np.abs(up).max() > 0.999  # a side of the box lies on the slope, within 2.6°
+
+
 def test_a_scorer_from_outside_changes_the_choice() -> None:
     mine = f"{__name__}:Highest"
     with pytest.raises(ConfigError, match="cannot be used"):
