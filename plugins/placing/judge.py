@@ -29,7 +29,7 @@ class RigidJudge(StructureJudge):
 
     def judge(self, built: AsBuilt) -> Mapping[str, object]:
         """Return the figures of a structure."""
-        shape = _shape(built)
+        shape = shape_of(built)
         if not built.standing:
             return {"stones": 0, **shape}
         heading = built.structure.heading_rad(built.structure.length_m / 2)
@@ -49,7 +49,7 @@ class RigidJudge(StructureJudge):
         }
 
 
-def _shape(built: AsBuilt) -> dict[str, Any]:
+def shape_of(built: AsBuilt) -> dict[str, Any]:
     """Return height, fill of the envelope, and the share of joints that run through two courses."""
     if not built.standing:
         return {"height_m": 0.0, "fill": 0.0, "fill_below_top": None, "running_joints": None}

@@ -31,7 +31,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--stones", type=Path, default=STONES, help="folder of scans")
     parser.add_argument("--budget", type=float, default=25.0, help="processor time a plan [s]")
     parser.add_argument("--jobs", type=count, default=2, help="walls that are built at a time")
-    parser.add_argument("--without-judge", action="store_true", help="skip the judge")
+    parser.add_argument("--without-judge", action="store_true", help="fill and joints alone")
     parser.add_argument("--keep", type=Path, default=None, help="folder for a JSON file a seed")
     given = parser.parse_args(words)
 

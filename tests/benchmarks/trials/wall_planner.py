@@ -13,6 +13,7 @@ from executive_plugins.placing.dry_stone.drops import HEIGHT, OUTSIDE, TOP, Drop
 from executive_plugins.placing.dry_stone.planner import DryStone
 from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
+from executive_plugins.placing.judge import shape_of
 from executive_plugins.placing.trial_site import RigidStones
 from scipy.spatial.transform import Rotation
 
@@ -100,8 +101,9 @@ def wall(job: Job) -> dict[str, Any]:
     told = {"seed": job.seed, **answer_of(trial)}
     if job.drops:
         told["dropped"] = dropped(trial, stones, job, rng)
-    if job.is_judged and trial.placed:
-        told["verdict"] = dict(verdict_of(trial.built, "rigid_stones"))
+    if trial.placed:
+        judged = verdict_of(trial.built, "rigid_stones") if job.is_judged else shape_of(trial.built)
+        told["verdict"] = dict(judged)
     if job.keep:
         (job.keep / f"wall_{job.seed}.json").write_text(json.dumps(told), encoding="utf-8")
     return told
@@ -190,6 +192,8 @@ def _judged(verdicts: Sequence[Mapping[str, Any]]) -> list[Figure]:
     }
     told = []
     for name, bound in bounds.items():
+        if not any(name in verdict for verdict in verdicts):
+            continue  # no trial was made: it was not asked for
         values = [float(v[name]) for v in verdicts if v[name] is not None] or [np.nan]
         worst = min(values) if bound.is_least else max(values)
         words = f"{worst:.3g}; by seed: " + ", ".join(f"{value:.3g}" for value in values)
