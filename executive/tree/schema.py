@@ -6,7 +6,7 @@ check`.
 """
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, get_args
 
 from executive.config import Settings
 from executive.errors import ConfigError
@@ -36,9 +36,11 @@ from executive.watch.rules import (
     GEOFENCE,
     JOINT_LIMITS,
     TRACKING,
+    Do,
     EstimateRule,
     GeofenceRule,
     Rule,
+    TrackingRule,
 )
 
 
@@ -158,9 +160,13 @@ class _Builder:
 
     def _watch(self) -> Schema:
         """Return the rules by condition; which sensors there are is the machine's file's."""
-        names: dict[str, type[Rule]] = {ESTIMATE: EstimateRule, GEOFENCE: GeofenceRule}
+        names: dict[str, type[Rule]] = {
+            ESTIMATE: EstimateRule,
+            GEOFENCE: GeofenceRule,
+            TRACKING: TrackingRule,
+        }
         known = {name: self._rule(rule) for name, rule in names.items()}
-        known |= {name: self._rule(Rule) for name in (TRACKING, JOINT_LIMITS, EFFORT)}
+        known |= {name: self._rule(Rule) for name in (JOINT_LIMITS, EFFORT)}
         return {
             "type": "object",
             "properties": known,
@@ -169,7 +175,7 @@ class _Builder:
         }
 
     def _rule(self, rule: type[Rule]) -> Schema:
-        words = {"enum": ["tell", "hold", "stop"]}
+        words = {"enum": list(get_args(Do))}
         return {"anyOf": [words, self._settings(f"watch.{rule.__name__}", rule)]}
 
     def _faults(self) -> list[Schema]:

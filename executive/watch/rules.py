@@ -16,6 +16,7 @@ ESTIMATE, TRACKING, JOINT_LIMITS, EFFORT, GEOFENCE = (
     "geofence",
 )
 
+Do = Literal["tell", "hold", "fail", "stop"]
 
 # Settings that do not belong to each `do`: to which they belong
 _OWNERS = {"wait": ("hold", "fail"), "settle": ("hold",), "then": ("hold",), "most": ("fail",)}
@@ -24,7 +25,7 @@ _OWNERS = {"wait": ("hold", "fail"), "settle": ("hold",), "then": ("hold",), "mo
 class Rule(Settings):
     """What happens when a condition is broken."""
 
-    do: Literal["tell", "hold", "fail", "stop"] = Field(
+    do: Do = Field(
         description="`tell` writes it down; `hold` stops along the path and waits until the "
         "condition holds again; `fail` lets the leaf fail that moves the machine, which stops "
         "along its path; `stop` ends the mission in a safe stop."

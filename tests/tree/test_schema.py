@@ -70,6 +70,19 @@ def test_a_mistake_does_not_satisfy_the_schema(validator: Any, old: str, new: st
     assert not validator.is_valid(yaml.safe_load(GOOD.replace(old, new)))
 
 
+@pytest.mark.parametrize("does", ["tell", "hold", "fail", "stop"])
+@pytest.mark.parametrize(
+    "condition", ["estimate", "tracking", "joint_limits", "effort", "encoders"]
+)
+def test_a_condition_takes_each_rule_by_its_word_or_with_settings(
+    validator: Any, condition: str, does: str
+) -> None:
+    for rule in (does, {"do": does, "after": "2 s"}):
+        validator.validate({**yaml.safe_load(GOOD), "watch": {condition: rule}})
+    for wrong in ("explode", {"do": "explode"}, {"do": does, "aftr": "2 s"}, None):
+        assert not validator.is_valid({**yaml.safe_load(GOOD), "watch": {condition: wrong}})
+
+
 def test_a_mission_written_out_satisfies_the_schema(validator: Any, load: Any) -> None:
     mission = load(
         "trees:\n  main:\n    sequence:\n      - {run: Scan, with: {angle: 1}, timeout: 3 min}\n"
