@@ -142,6 +142,12 @@ def test_a_choice_at_a_call_holds_in_the_trees_below(load):
     )
 
 
+def test_a_tree_that_is_called_twice_under_one_choice_is_told_once(load):
+    twice = "      - {call: lay}\n      - {call: lay}\n  lay: {check: Lay}\n"
+    (found,) = told(load, HEADER + twice)
+    assert found.startswith("Lay uses a placing plugin, and the mission has several")
+
+
 def test_a_choice_below_goes_over_that_of_the_call(load):
     tree = "      - {call: lay, use: wall}\n  lay: {check: Lay, use: rows}\n"
     assert load(HEADER + tree).trees["lay"].root.kind.use.uses == {"placing": "rows"}
