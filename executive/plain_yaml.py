@@ -12,7 +12,8 @@ import yaml
 from executive.errors import ConfigError
 
 _MAX_BYTES = 10_000_000
-_MAX_DEPTH = 60  # the loader recurses
+MAX_DEPTH = 60  # the loader recurses
+TOO_DEEP = f"nested more than {MAX_DEPTH} levels deep"
 
 
 def read_plain_yaml(path: Path) -> Any:
@@ -39,9 +40,23 @@ def read_plain_yaml(path: Path) -> Any:
             f"{path}:{line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8"
         ) from None
     except yaml.YAMLError as error:
+        if (line := too_deep_in_line(error)) is not None:
+            raise ConfigError(f"{path}:{line}: {TOO_DEEP}") from None
         raise ConfigError(f"{path}: not readable as YAML: {error}") from None
     except ValueError as error:  # a date that does not exist, or a number of thousands of digits
         raise ConfigError(f"{path}: not readable as YAML: {error}; quote the text") from None
+
+
+def too_deep_in_line(error: yaml.YAMLError) -> int | None:
+    """Return the line in which the library itself met too deep a nesting; None for other errors.
+
+    It looks ahead by a thousand characters, and newer versions then refuse a thousand brackets
+    before they give the sixtieth.
+    """
+    if "nesting depth" not in str(error):
+        return None
+    mark = error.problem_mark if isinstance(error, yaml.MarkedYAMLError) else None
+    return mark.line + 1 if mark else 1
 
 
 def _check_events(path: Path, text: str) -> None:
@@ -54,5 +69,5 @@ def _check_events(path: Path, text: str) -> None:
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
-        if depth > _MAX_DEPTH:
-            raise ConfigError(f"{path}:{line}: nested more than {_MAX_DEPTH} levels deep")
+        if depth > MAX_DEPTH:
+            raise ConfigError(f"{path}:{line}: {TOO_DEEP}")

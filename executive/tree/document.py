@@ -13,12 +13,12 @@ from typing import Any
 
 import yaml
 
+from executive.plain_yaml import MAX_DEPTH, TOO_DEEP, too_deep_in_line
 from executive.tree.problem import Mark, Problems
 from executive.tree.scalar import SurpriseError, resolve
 from executive.tree.value import Broken, Listing, Scalar, Table, TableEntry, Value
 
 _MAX_BYTES = 10_000_000
-_MAX_DEPTH = 60
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 # Messages of libyaml, and what a reader who does not know its grammar is shown instead.
@@ -111,7 +111,9 @@ def read_text(text: str, name: str, problems: Problems, kind: str = "mission") -
     except yaml.MarkedYAMLError as error:
         place = error.problem_mark or error.context_mark
         mark = Mark(name, place.line + 1, place.column + 1) if place else Mark(name)
-        problems.error(mark, _words(error.problem or "", error.context or ""))
+        is_too_deep = too_deep_in_line(error) is not None
+        words = TOO_DEEP if is_too_deep else _words(error.problem or "", error.context or "")
+        problems.error(mark, words)
         return None
     except yaml.YAMLError as error:
         problems.error(Mark(name), f"not YAML: {' '.join(str(error).split())}")
@@ -142,10 +144,8 @@ class _Reader:
                     )
                     break
             elif isinstance(event, yaml.CollectionStartEvent):
-                if len(self._open) >= _MAX_DEPTH:
-                    self._problems.error(
-                        self._mark(event), f"nested more than {_MAX_DEPTH} levels deep"
-                    )
+                if len(self._open) >= MAX_DEPTH:
+                    self._problems.error(self._mark(event), TOO_DEEP)
                     return Broken(self._mark(event))
                 self._refuse_extras(event)
                 self._open.append(
