@@ -6,7 +6,6 @@ opinion: it knows contacts and weights, and no simulated time.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from executive_plugins.physics.stone_world import WorldRules
@@ -49,7 +48,7 @@ class RigidJudge(StructureJudge):
         }
 
 
-def shape_of(built: AsBuilt) -> dict[str, Any]:
+def shape_of(built: AsBuilt) -> dict[str, float | None]:
     """Return height, fill of the envelope, and the share of joints that run through two courses."""
     if not built.standing:
         return {"height_m": 0.0, "fill": 0.0, "fill_below_top": None, "running_joints": None}

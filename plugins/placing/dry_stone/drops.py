@@ -102,6 +102,8 @@ def compile_drops() -> None:
     wall = WallTop(AsBuilt(Structure("rehearsal", line, 1.0, 1.0), ground), _REHEARSED_CELL_M)
     raster = raster_of(stone.vertices, stone.triangles, np.eye(3), _REHEARSED_CELL_M)
     drops(wall, raster, DropRules(0.0, 0.0, 0.0, 1))
+    middle = np.array(wall.top.shape) // 2
+    rest_height(wall.top, raster.under, middle[0], middle[1])
 
 
 @njit(cache=True)
