@@ -16,7 +16,7 @@ from executive.arrays import Float
 from executive.messages.alignment import Rival
 
 _LEAST_STONES = 2  # that a rival brings to agreement: one stone fits any other place
-_MOST_WEIGHED = 4  # rivals whose likelihood is computed, those with the smallest misfit
+_MOST_WEIGHED = 10  # rivals whose likelihood is computed: the misfit alone hardly tells them apart
 _MOST_POINTS = 800  # of the source at a candidate; five times as many at a refinement
 _MOST_GROUND = 13.8  # nats, a factor of 10⁶: ground is worked, and never decides alone
 _MOST_LOG_RATIO = 100.0  # a larger one is told as this

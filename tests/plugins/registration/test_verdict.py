@@ -249,7 +249,7 @@ class Flat:
         return np.where(distances < reach_m, distances, np.inf), np.zeros(len(points), int)
 
 
-def test_candidates_are_refined_once_each_and_the_best_four_are_weighed(
+def test_candidates_are_refined_once_each_and_all_that_are_rivals_are_weighed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The best motion, a candidate twice, one without two stones and one over plain ground are no
@@ -286,7 +286,7 @@ def test_candidates_are_refined_once_each_and_the_best_four_are_weighed(
               (5, 0.12)]  # fmt: skip
     candidates = [pose(t=np.array([float(x), 0.0, z])) for x, z in places]
     found = made._rough(BEST, candidates, 0.5)
-    assert [one.T_target_source[0, 3] for one in found] == [2.0, 4.0, 1.0, 5.0]
+    assert [one.T_target_source[0, 3] for one in found] == [2.0, 4.0, 1.0, 5.0, 3.0]
     assert made.excluded == 1
     reach_m = SETTINGS.coarse_reach_m
     assert reaches == [(reach_m, reach_m, pytest.approx(0.6 * reach_m))] * 5
