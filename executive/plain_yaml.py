@@ -40,8 +40,8 @@ def read_plain_yaml(path: Path) -> Any:
             f"{path}:{line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8"
         ) from None
     except yaml.YAMLError as error:
-        if (line := too_deep_in_line(error)) is not None:
-            raise ConfigError(f"{path}:{line}: {TOO_DEEP}") from None
+        if (at := too_deep_in_line(error)) is not None:
+            raise ConfigError(f"{path}:{at}: {TOO_DEEP}") from None
         raise ConfigError(f"{path}: not readable as YAML: {error}") from None
     except ValueError as error:  # a date that does not exist, or a number of thousands of digits
         raise ConfigError(f"{path}: not readable as YAML: {error}; quote the text") from None
