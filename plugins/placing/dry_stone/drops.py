@@ -109,18 +109,19 @@ def compile_drops() -> None:
 @njit(cache=True)
 def _measure(tops, owner, ground, room, cell, under, over, first, places, rules, found):  # type: ignore[no-untyped-def]  # noqa: PLR0913 - compiled: no classes
     count = np.zeros(int(owner.max()) + 2)
-    highest, top = rules[4] + ground.max(), tops[0]
-    reach = np.zeros(_DIRECTIONS)
+    highest, top, thickest = rules[4] + ground.max(), tops[0], over.max()
+    reach, ways = np.zeros(_DIRECTIONS), _ways()
+    foot = np.minimum(np.minimum(room[0], room[1]), room[2])
+    most_off = rules[3] * (under < np.inf).sum()
     for p in range(len(places)):
         x, y = places[p, 0] + first[0], places[p, 1] + first[1]
-        if _is_off_foot(room, under, x, y, rules[3]):
-            found[p] = 0.0
-            found[p, OUTSIDE], found[p, TOP] = 1.0, np.inf
-            continue
-        z = rest_height(top, under, x, y)
-        # The highest of all heights at which it rests around here, since maxima can be exchanged.
-        rise = 0.0 if z + over.max() > highest else rest_height(tops[1], under, x, y) - z
-        if z + over.max() > highest or rise > rules[5]:
+        z, rise = np.inf, np.inf
+        if not _is_off_foot(foot, under, x, y, most_off):
+            z = _rest_below(top, under, x, y, thickest, highest)
+        if z < np.inf:
+            # The highest of all heights at which it rests around here: maxima can be exchanged.
+            rise = _rest_below(tops[1], under, x, y, -z, rules[5]) - z
+        if rise == np.inf:
             found[p] = 0.0
             found[p, OUTSIDE], found[p, TOP] = 1.0, np.inf
             continue
@@ -137,7 +138,7 @@ def _measure(tops, owner, ground, room, cell, under, over, first, places, rules,
                 if gap <= rules[0]:
                     touching += 1
                     count[owner[x + i, y + j] + 1] += 1.0
-                    _reach(reach, (i + first[0]) * cell, (j + first[1]) * cell)
+                    _reach(reach, ways, (i + first[0]) * cell, (j + first[1]) * cell)
                 base = ground[x + i, y + j]
                 above = max(0.0, z + 0.5 * (under[i, j] + over[i, j]) - base)
                 left = room[0, x + i, y + j] - rules[1] * above
@@ -155,19 +156,32 @@ def _measure(tops, owner, ground, room, cell, under, over, first, places, rules,
 
 
 @njit(cache=True)
-def _is_off_foot(room, under, x, y, most):  # type: ignore[no-untyped-def]
-    """Return whether more than a share of the stone is off the foot of the envelope.
+def _is_off_foot(foot, under, x, y, most):  # type: ignore[no-untyped-def]
+    """Return whether more nodes of the stone than `most` are off the foot of the envelope.
 
     A face that leans inwards leaves less room higher up, so no place that fits is lost.
     """
-    cells, outside = 0, 0
+    outside = 0
+    for i in range(under.shape[0]):
+        for j in range(under.shape[1]):
+            if under[i, j] < np.inf and foot[x + i, y + j] < 0:
+                outside += 1
+        if outside > most:
+            return True
+    return False
+
+
+@njit(cache=True)
+def _rest_below(top, under, x, y, added, most):  # type: ignore[no-untyped-def]
+    """Return the height of `rest_height`; infinite as soon as it and `added` are over `most`."""
+    z = -np.inf
     for i in range(under.shape[0]):
         for j in range(under.shape[1]):
             if under[i, j] < np.inf:
-                cells += 1
-                u, v = x + i, y + j
-                outside += min(room[0, u, v], room[1, u, v], room[2, u, v]) < 0
-    return outside > most * cells
+                z = max(z, top[x + i, y + j] - under[i, j])
+        if z + added > most:
+            return np.inf
+    return z
 
 
 @njit(cache=True)
@@ -182,11 +196,20 @@ def rest_height(top, under, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _reach(reach, dx, dy):  # type: ignore[no-untyped-def]
-    """Raise how far the contact reaches in each direction from below the centre of mass."""
+def _ways():  # type: ignore[no-untyped-def]
+    """Return the directions of the support margin, unit vectors (D, 2)."""
+    ways = np.zeros((_DIRECTIONS, 2))
     for d in range(_DIRECTIONS):
         angle = 2 * np.pi * d / _DIRECTIONS
-        reach[d] = max(reach[d], dx * np.cos(angle) + dy * np.sin(angle))
+        ways[d] = np.cos(angle), np.sin(angle)
+    return ways
+
+
+@njit(cache=True)
+def _reach(reach, ways, dx, dy):  # type: ignore[no-untyped-def]
+    """Raise how far the contact reaches in each direction from below the centre of mass."""
+    for d in range(len(ways)):
+        reach[d] = max(reach[d], dx * ways[d, 0] + dy * ways[d, 1])
 
 
 @njit(cache=True)

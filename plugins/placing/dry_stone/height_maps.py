@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from executive_plugins.placing.dry_stone import drops as measured
 from executive_plugins.placing.dry_stone.drops import DropRules, drops, measured_at
+from executive_plugins.placing.dry_stone.joints import Joints
 from executive_plugins.placing.dry_stone.orientations import orientations
 from executive_plugins.placing.dry_stone.parts import Place, Places
 from executive_plugins.placing.dry_stone.rasters import StoneRaster, WallTop, raster_of
@@ -34,7 +35,7 @@ class HeightMaps:
 
     def __init__(self, settings: GeneratorSettings) -> None:
         self._settings = settings
-        self._seen: tuple[AsBuilt, WallTop] | None = None
+        self._seen: tuple[AsBuilt, WallTop, Joints] | None = None
 
     def places(
         self,
@@ -90,7 +91,8 @@ class HeightMaps:
 
     def _top_of(self, built: AsBuilt) -> WallTop:
         if self._seen is None or self._seen[0] is not built:
-            self._seen = built, WallTop(built, self._settings.cell, self._settings.astray)
+            top = WallTop(built, self._settings.cell, self._settings.astray)
+            self._seen = built, top, Joints(built)
         return self._seen[1]
 
     def _rules(self, built: AsBuilt, inventory: Sequence[SolidStone]) -> DropRules:
@@ -126,4 +128,6 @@ class HeightMaps:
         names["bottom_m"] = names["top_m"] - height_m
         over = raster.over[is_stone]
         names["top_gap_m"] = np.full(len(origins), over.max() - over.mean())
+        if self._seen is not None:
+            names["joints_closed"] = self._seen[2].closed(origins, raster.R, stone.vertices)
         return Places(stone, raster.R, origins, names)

@@ -33,6 +33,9 @@ class Weights(Settings):
     beside: float = Field(
         1.0, ge=-100, le=100, description="Share of the rim with a neighbour within 15 cm."
     )
+    joints: float = Field(1.0, ge=-100, le=100, description=(
+        "1 if joints of the course below are covered, -1 if they run on through this one."
+    ))  # fmt: skip
     flat: float = Field(1.0, ge=-100, le=100, description=(
         "1 if its upper side is level, 0 if that is 0.3 m below its highest point in the mean."
     ))  # fmt: skip

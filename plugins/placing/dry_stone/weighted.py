@@ -40,6 +40,7 @@ class Weighted:
             "interlock": 1 - m["largest_support_share"],
             "margin": np.minimum(1.0, m["support_margin_m"] / _MARGIN_M),
             "beside": m["beside_share"],
+            "joints": m["joints_closed"],
             "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),
         }
         return {name: self._weights[name] * value for name, value in terms.items()}

@@ -20,12 +20,13 @@ NAMES = (
     "void_m3",
     "bottom_m",
     "top_gap_m",
+    "joints_closed",
 )
-WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3), strict=True))
-BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), strict=True))
+WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3, -1.0), strict=True))
+BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), strict=True))
 BEYOND = {"bottom_m": -0.01, "support_margin_m": 9.0, "depth_m": -1.0}
-FIRST = {"volume": [0.5, 0.5, 0.5], "void": [-1.0, -0.5, 0.0]}
-TERMS = {"contact", "void", "height", "face", "interlock", "margin", "beside", "flat"}
+FIRST = {"volume": [0.5, 0.5, 0.5], "void": [-1.0, -0.5, 0.0], "joints": [-1.0, 0.0, 1.0]}
+TERMS = {"contact", "void", "height", "face", "interlock", "margin", "beside", "flat", "joints"}
 
 
 def scored(*rows: dict[str, float]) -> dict[str, np.ndarray]:
