@@ -64,6 +64,14 @@ class SeeHeldSettings(Settings):
     rotation_std: Radians = Field(
         0.05, gt=0, le=3.2, description="The same of the rotation about each axis [rad]."
     )
+    max_turn: Radians = Field(
+        1.3,
+        gt=0,
+        le=3.2,
+        description="Turn in the jaws above which a stone is not carried on [rad]. It has rolled "
+        "between the tips by most of a right angle, and would come down on another side; 3.2 "
+        "carries on whatever its turn.",
+    )
     max_unlikelihood: float = Field(
         1e3,
         gt=1,
@@ -104,7 +112,8 @@ class SeeHeld(Action[SeeHeldSettings]):
     turned about the line through the tips, and lower. If it is found nowhere, or in two places, the
     expected pose is kept. This fails if what is seen contradicts it: nobody knows how the stone
     lies then, and it would be set down on an edge, or onto a neighbour. A view of too little
-    contradicts nothing.
+    contradicts nothing. It fails, too, if the stone is found turned by most of a right angle, with
+    its pose corrected: it has rolled between the tips, and would come down on another side.
     """
 
     needs = (Robot, Mapper, Aligner, MotionPlanner, ObjectDatabase)
@@ -137,6 +146,11 @@ class SeeHeld(Action[SeeHeldSettings]):
             told = f"kept the expected pose of stone {hold.stone_id}: {look.aligned.reason}"
             return succeeded(reason=told)
         self._correct(hold, found)
+        if found.turn_rad > self.settings.max_turn:
+            return failed(
+                f"stone {hold.stone_id} has turned in the jaws by {np.degrees(found.turn_rad):.0f}°"
+                f", and at most {np.degrees(self.settings.max_turn):.0f}° is carried on"
+            )
         return succeeded(
             reason=f"{100 * found.shift_m:.1f} cm and {np.degrees(found.turn_rad):.1f}° from where "
             f"it was expected, ± {100 * found.position_std_m:.1f} cm and "

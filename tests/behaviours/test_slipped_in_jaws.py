@@ -1,5 +1,7 @@
 """A stone that slipped in the jaws is found there by the shipped alignment, or not believed."""
 
+import re
+
 import numpy as np
 import pytest
 from executive_plugins.alignment.point_to_plane import PointToPlane
@@ -52,7 +54,7 @@ def look(stage, monkeypatch):
     objects = SqliteObjects(SqliteObjectsSettings())
     objects.open(":memory:")
 
-    def see(corners, moved, rng, held=None):
+    def see(corners, moved, rng, held=None, **settings):
         in_gripper = np.array([0.9, 0.0, 0.0])
         model = transform(T_GRASP, surface(corners, 1500, rng)[0] + in_gripper)
         segment = Segment(0, model, model.mean(axis=0), np.ptp(model, axis=0))
@@ -80,7 +82,7 @@ def look(stage, monkeypatch):
         monkeypatch.setattr(context, "gripper", lambda: T_GRASP.copy())
         hold = Hold(stone.id, T_GRASP, 0.6)
         before = held_surface(context, hold)
-        ended = world.tick(SeeHeld, hold=hold)
+        ended = world.tick(SeeHeld, settings=settings, hold=hold)
         return ended, before, held_surface(context, hold)
 
     yield see
@@ -99,6 +101,26 @@ def test_a_stone_that_turned_between_the_tips_is_found(look, machine, turn_deg, 
     rng = np.random.default_rng(abs(turn_deg))
     moved = hinge_motion(machine, np.radians(turn_deg), slide_m)
     ended, before, after = look(block(0.35, rng), moved, rng)
+    assert ended.status == "SUCCESS", ended.reason
+    np.testing.assert_allclose(after, transform(moved, before), atol=0.03)
+
+
+def test_a_stone_that_turned_by_most_of_a_right_angle_is_corrected_and_not_carried_on(
+    look, machine
+):
+    rng = np.random.default_rng(3)
+    moved = hinge_motion(machine, np.radians(85), 0.0)
+    ended, before, after = look(block(0.35, rng), moved, rng)
+    assert ended.status == "FAILURE"
+    told = r"stone 1 has turned in the jaws by 8[3-6]°, and at most 74° is carried on"
+    assert re.fullmatch(told, ended.reason)
+    np.testing.assert_allclose(after, transform(moved, before), atol=0.03)
+
+
+def test_a_mission_may_carry_on_whatever_the_turn(look, machine):
+    rng = np.random.default_rng(3)
+    moved = hinge_motion(machine, np.radians(85), 0.0)
+    ended, before, after = look(block(0.35, rng), moved, rng, max_turn=3.2)
     assert ended.status == "SUCCESS", ended.reason
     np.testing.assert_allclose(after, transform(moved, before), atol=0.03)
 
