@@ -137,6 +137,19 @@ def test_a_client_that_asks_and_never_reads_is_sent_away(tmp_path, server, woken
         assert replies(connection)[0].is_done
 
 
+def test_a_client_that_reads_late_gets_all_its_replies_whole(tmp_path, server, woken):
+    """A reply is longer than the socket takes at once: the rest is sent when there is room."""
+    texts = [str(number) * 600_000 for number in range(2)]
+    with connect(tmp_path, 20) as connection:
+        for text in texts:
+            connection.sendall(PAUSE.line())
+            serve_one(server, woken, text)
+        assert [one.text for one in replies(connection, 2)] == texts
+        connection.sendall(PAUSE.line())
+        serve_one(server, woken)
+        assert replies(connection) == [Reply(True, "held")]
+
+
 def test_two_clients_at_once_get_each_its_own_reply(tmp_path, server, woken):
     first, second = connect(tmp_path, 20), connect(tmp_path, 20)
     first.sendall(PAUSE.line())
