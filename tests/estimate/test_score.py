@@ -133,3 +133,11 @@ def pose(p, R):
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = R, p
     return T
+
+
+def test_the_times_of_an_outage_are_told_to_the_millisecond():
+    found, truth = states()
+    span = (ORIGIN_S + 5.00049, ORIGIN_S + 8.00151)
+    (outage,) = report(scored(found, ORIGIN_S, truth, "none"), "none", [span])["outages"]
+    told = outage["from_s"] - ORIGIN_S, outage["to_s"] - ORIGIN_S
+    assert told == pytest.approx((5.0, 8.002), abs=1e-9)

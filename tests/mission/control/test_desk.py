@@ -133,7 +133,8 @@ def test_a_pause_on_failure_is_wanted_until_it_is_not(mission, ask):
     assert ask("pause", "on_failure").is_done
     assert mission.wishes.pause_on_failure
     assert not mission.wishes.pause
-    assert "does not pause any more" in ask("resume", "on_failure").text
+    told = "the mission does not pause any more when an action fails"
+    assert ask("resume", "on_failure").text == told
     assert not mission.wishes.pause_on_failure
     ask("pause")
     ask("pause", "on_failure")
@@ -162,7 +163,9 @@ def test_what_is_not_paused_is_not_resumed(mission, ask, phase, told):
 
 
 def test_a_stop_is_asked_of_the_mission(mission, ask):
-    assert ask("stop").is_done
+    reply = ask("stop")
+    assert reply.is_done
+    assert reply.text == "the machine slows down along its path, and the mission ends"
     assert mission.is_stopped
 
 
