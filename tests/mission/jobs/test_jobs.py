@@ -4,6 +4,7 @@ clock.
 
 import threading
 import time
+from concurrent.futures import Future
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -247,3 +248,31 @@ def test_a_call_that_is_given_up_is_killed_at_its_deadline_and_the_next_is_serve
         assert worker._process is not before
     finally:
         jobs.close()
+
+
+class Queue(InlineRunner):
+    """Computes nothing, and keeps which tasks are given up."""
+
+    def __init__(self):
+        super().__init__()
+        self.futures, self.abandoned = [], []
+
+    def submit(self, task):
+        self.futures.append(Future())
+        return self.futures[-1]
+
+    def abandon(self, task, future):
+        self.abandoned.append((task.call.verb, future))
+
+
+def test_a_job_that_waits_is_taken_out_and_one_that_is_computed_is_given_up():
+    runner = Queue()
+    jobs, _ = jobs_with(runner)
+    waiting, computed = (jobs.start(plugin_of(jobs).square, n) for n in (1, 2))
+    runner.futures[1].set_running_or_notify_cancel()
+    waiting.cancel()
+    assert runner.futures[0].cancelled()
+    assert not runner.abandoned
+    computed.cancel()
+    assert runner.abandoned == [("square", runner.futures[1])]
+    jobs.close()

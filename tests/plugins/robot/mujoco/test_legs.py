@@ -69,6 +69,22 @@ def test_a_machine_stands_level_on_its_legs_which_bear_its_weight(name: str) -> 
     np.testing.assert_allclose(world.arm.position(), machine.posture("scan"), atol=1e-3)
 
 
+def test_the_weight_of_the_links_acts_at_the_chassis_with_its_moment() -> None:
+    """The force and its moment about the chassis are the sums over the links, one by one."""
+    machine = load_machine("m545")
+    world = on_legs(machine)
+    assert world.legs is not None
+    world.legs.weigh()
+    base = world.data.body(machine.base_link)
+    force, moment = np.zeros(3), np.zeros(3)
+    for name in machine.links:
+        weight = np.array([0.0, 0.0, -GRAVITY_M_S2 * world.model.body(name).mass[0]])
+        force += weight
+        moment += np.cross(world.data.body(name).xipos - base.xipos, weight)
+    np.testing.assert_allclose(base.xfrc_applied[:3], force, rtol=1e-9)
+    np.testing.assert_allclose(base.xfrc_applied[3:], moment, rtol=1e-9, atol=1e-6)
+
+
 @pytest.fixture(scope="module")
 def reached() -> tuple[World, Capacity, dict]:
     """A machine that has swung to its side, the lift capacity there, and its state."""
