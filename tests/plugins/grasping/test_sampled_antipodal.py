@@ -238,3 +238,13 @@ def test_a_lift_that_would_tip_the_machine_is_refused_on_request_or_where_it_may
     assert bool(answer.grasps) == (not is_refused)
     assert ("beyond_lift_capacity" in answer.refused) == is_refused
     assert ("that tip the machine, ISO 10567" in answer.detail) == is_refused
+
+
+def test_an_order_by_the_papers_rule_says_nothing_of_what_a_lift_will_show(
+    planner: SampledAntipodal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(planner, "paper_order", lambda pool: np.array([2, 0, 1]))
+    order = planner.ordered(None, range(3))
+    assert [*order.indices] == [2, 0, 1]
+    assert [*order.worth] == [0.0, 0.0, 0.0]
+    assert (order.costs, order.is_telling) == ({}, False)
