@@ -32,7 +32,11 @@ def show_plugin(
 def _described(capability: str, name: str) -> dict[str, Any]:
     """Return the description of one plugin; imports it."""
     from executive import registry
+    from executive.errors import ConfigError, did_you_mean
 
+    if not registry.names(capability):
+        known = did_you_mean(capability, registry.capabilities())
+        raise ConfigError(f"no plugin of a capability '{capability}'{known}")
     plugin = registry.load(capability, name)
     brought = next(one for one in registry.installed(capability) if one.name == name)
     return {
