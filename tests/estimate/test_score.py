@@ -1,11 +1,15 @@
 """A score is what evo would print, and a reference that does not fit gives one sentence."""
 
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from executive.errors import ConfigError, DataError
-from executive.estimate.score import report, scored
+from executive.estimate import score as module
+from executive.estimate.score import report, scored, summary, with_score
 from executive.estimate.trajectory import Trajectory, read_trajectory
 from executive.messages.base_state import BaseState
 
@@ -141,3 +145,48 @@ def test_the_times_of_an_outage_are_told_to_the_millisecond():
     (outage,) = report(scored(found, ORIGIN_S, truth, "none"), "none", [span])["outages"]
     told = outage["from_s"] - ORIGIN_S, outage["to_s"] - ORIGIN_S
     assert told == pytest.approx((5.0, 8.002), abs=1e-9)
+
+
+def test_an_outage_without_states_is_left_out():
+    found, truth = states()
+    spans = [(ORIGIN_S + 100, ORIGIN_S + 101), (ORIGIN_S + 5, ORIGIN_S + 6)]
+    (outage,) = report(scored(found, ORIGIN_S, truth, "none"), "none", spans)["outages"]
+    assert outage["from_s"] == ORIGIN_S + 5
+
+
+def test_an_estimate_without_a_heading_is_not_scored():
+    found, truth = states()
+    lost = [replace(state, status="ALIGNING") for state in found]
+    with pytest.raises(DataError, match="no state with a heading"):
+        scored([*lost[1:], found[0]], ORIGIN_S, truth, "none")
+
+
+def test_a_score_in_one_line_gives_its_figures_with_their_units():
+    figures = {
+        "poses": 7, "alignment": "yaw", "ape_m": {"rms": 0.1236, "median": 0.1, "p95": 0.31},
+        "nees": {"inside_95": 0.936}, "outages": [{}, {}],
+    }  # fmt: skip
+    assert summary(figures) == (
+        "score over 7 poses, alignment yaw: APE rms 0.124 m, median 0.100 m, 95 % 0.310 m; "
+        "94 % of the errors within the 95 % bound of the covariance; 2 times without fixes"
+    )
+
+
+@dataclass(frozen=True)
+class Replayed:
+    replay: object
+    report: dict
+
+
+def test_a_score_is_added_to_the_report_at_the_times_of_the_log(monkeypatch):
+    found, truth = states()
+    monkeypatch.setattr(module, "silences", lambda material: [(5.05, 8.05)])
+    material = SimpleNamespace(log=SimpleNamespace(origin_ns=int(ORIGIN_S * 1e9)))
+    estimated = Replayed(SimpleNamespace(states=found), {"kept": 1})
+    scored_one = with_score(material, estimated, truth, "none")
+    assert scored_one.report["kept"] == 1
+    span = [(ORIGIN_S + 5.05, ORIGIN_S + 8.05)]
+    expected = report(scored(found, ORIGIN_S, truth, "none"), "none", span)
+    assert scored_one.report["score"] == expected
+    assert len(expected["outages"]) == 1
+    assert estimated.report == {"kept": 1}
