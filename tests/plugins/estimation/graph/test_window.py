@@ -1,5 +1,7 @@
 """The window against a general optimiser, node insertion, marginals and unsolvable equations."""
 
+from types import SimpleNamespace
+
 import gtsam
 import numpy as np
 import pytest
@@ -153,3 +155,35 @@ def test_equations_that_have_no_finite_solution_are_an_error_of_their_own(sample
     window.add("velocity", 0.5, [velocity_factor(node, np.full(3, np.nan), 0.1)])
     with pytest.raises(UnsolvableError):
         window.solve()
+
+
+# Biases of accelerometer and gyro, velocity, rotation, position, in GTSAM's order of a step.
+LINEAR = (0.02, 2e-3, 0.03, 6e-4, 1.5e-3)
+
+
+@pytest.mark.parametrize("component", range(15))
+@pytest.mark.parametrize(("share", "is_far"), [(0.99, False), (1.01, True), (-1.01, True)])
+def test_factors_are_linearised_again_where_a_node_is_too_far_from_their_point(
+    samples, first, monkeypatch, component, share, is_far
+) -> None:
+    window = GraphWindow(NOISE, samples, first, COVARIANCE)
+    step = np.zeros(15)
+    step[component] = share * LINEAR[component // 3]
+    moved, voided = [{0}, set()], []
+    monkeypatch.setattr(window, "_iterate", lambda: moved.pop(0))
+    monkeypatch.setattr(window, "_void", lambda factors: voided.extend(factors))
+    window._steps[0] = SimpleNamespace(vector=lambda: step)
+    window.solve()
+    assert bool(voided) is is_far
+    assert all(0 in factor.nodes for factor in voided)
+
+
+def test_a_window_that_does_not_settle_is_left_after_six_rounds(
+    samples, first, monkeypatch
+) -> None:
+    window, rounds = GraphWindow(NOISE, samples, first, COVARIANCE), []
+    window._steps[0] = SimpleNamespace(vector=lambda: np.ones(15))
+    monkeypatch.setattr(window, "_iterate", lambda: rounds.append(1) or {0})
+    monkeypatch.setattr(window, "_void", list)
+    window.solve()
+    assert len(rounds) == 6
