@@ -77,8 +77,8 @@ class Runtime(ABC):
             at_s: The time [s]; not later than now if the node goes on at the next tick.
         """
 
-    def timed(self, node: str) -> AbstractContextManager[object]:
-        """Return the context in which the time of a tick is charged to the leaf at a node path."""
+    def within(self, node: str, leaf: str) -> AbstractContextManager[object]:
+        """Return the context of a leaf's own code, at a node path: its time, and who hangs."""
         return nullcontext()
 
     @abstractmethod

@@ -1,8 +1,8 @@
 """A running mission as the nodes of its tree see it: context, journal, questions, faults."""
 
 import logging
-from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from executive.events.event import Event
@@ -19,6 +19,7 @@ from executive.mission.braking import Braking
 from executive.mission.context import NodeContext, Services
 from executive.mission.display import Display
 from executive.mission.guard import Guard
+from executive.mission.jobs.notes import loop_in_leaf
 from executive.mission.plugin_errors import PluginErrors, log
 from executive.mission.record.leaf_memory import LeafMemory
 from executive.mission.report import Ending
@@ -120,8 +121,10 @@ class NodeRuntime(Runtime):
             self.journal.append(self._tick, self.clock.now_s(), node, event)
         self.injector.heed(node, event)
 
-    def timed(self, node: str) -> AbstractContextManager[object]:
-        return self.times.spent(LEAF, node)
+    @contextmanager
+    def within(self, node: str, leaf: str) -> Iterator[None]:
+        with self.times.spent(LEAF, node), loop_in_leaf(node, leaf):
+            yield
 
     def show(self, entity: str, value: object) -> None:
         if entity == "survey" and isinstance(value, Cloud):

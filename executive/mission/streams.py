@@ -24,6 +24,7 @@ from executive.messages.status_change import StatusChange
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import each_plugin
 from executive.mission.jobs.jobs import Jobs
+from executive.mission.jobs.notes import loop_in_verb
 from executive.mission.jobs.tick_call import asked
 from executive.mission.map_feed import MapFeed
 from executive.mission.record.samples import Samples
@@ -156,7 +157,7 @@ class Streams:
         asking = [(c, p) for c, p in self._observers if isinstance(observation, p.takes)]
         for capability, plugin in asking:
             try:
-                with self._times.spent(f"{capability}.take"):
+                with self._times.spent(f"{capability}.take"), loop_in_verb(plugin, "take"):
                     plugin.take(observation)
             except Exception as error:  # the listener decides what it means
                 self._listener.take_error(capability, plugin, error)

@@ -18,7 +18,7 @@ _TEXT_BYTES = 4096
 _CHECK_BYTES = 4
 _LOOKS = 3  # at a text that is being written
 _NUMBERS = ("beat_s", "limit_s", "verb_until_s", "ended", "joints_s", "joints_limit_s")
-_TEXTS = ("activity", "run_dir", "machine", "stack", "mission")
+_TEXTS = ("activity", "loop", "run_dir", "machine", "stack", "mission")
 _TEXTS_AT = _NUMBER_BYTES * len(_NUMBERS)
 _NEVER_ENDED = -1.0
 
@@ -36,6 +36,7 @@ class Beacon:
         # and a supervisor that looked at that moment took the loop for silent since it started.
         self._numbers = memoryview(self._page)[:_TEXTS_AT].cast("d")
         self._computed: dict[int, tuple[float, str]] = {}  # until when, and what
+        self._entered: list[bytes] = [_block("")]  # what the loop is in, the innermost last
         self._lock = threading.Lock()
         self._set("ended", _NEVER_ENDED)
 
@@ -79,6 +80,19 @@ class Beacon:
         with self._lock:
             self._computed.pop(key, None)
             self._note_the_first()
+
+    def enter(self, note: bytes) -> None:
+        """Note what the loop's thread goes into, as `note_of` returns it; it may be within another.
+
+        It is called some hundred times a tick, and takes less than a microsecond.
+        """
+        self._entered.append(note)
+        self._put("loop", note)
+
+    def leave(self) -> None:
+        """Note that the loop's thread has come out of what it went into last."""
+        self._entered.pop()
+        self._put("loop", self._entered[-1])
 
     def _note_the_first(self) -> None:
         until_s, activity = min(self._computed.values(), default=(0.0, ""))
@@ -133,8 +147,15 @@ class Beacon:
 
     def activity(self) -> Mapping[str, Any]:
         """Return what was computed: component, capability, name, verb, place, package folder."""
+        return self._activity("activity")
+
+    def loop(self) -> Mapping[str, Any]:
+        """Return what the loop's thread was in: the same of a plugin's verb, or that of a node."""
+        return self._activity("loop")
+
+    def _activity(self, field: str) -> Mapping[str, Any]:
         try:
-            found = json.loads(self.text("activity") or "{}")
+            found = json.loads(self.text(field) or "{}")
         except ValueError:  # it was cut off in the middle of the note
             return {}
         return found if isinstance(found, dict) else {}
@@ -155,15 +176,28 @@ class Beacon:
         return ""
 
     def _write(self, field: str, text: str) -> None:
+        self._put(field, _block(text))
+
+    def _put(self, field: str, block: bytes) -> None:
         start = _TEXTS_AT + _TEXT_BYTES * _TEXTS.index(field)
-        raw = text.replace("\0", "").encode()[: _TEXT_BYTES - _CHECK_BYTES]
-        self._page[start : start + _TEXT_BYTES] = (_check(raw) + raw).ljust(_TEXT_BYTES, b"\0")
+        self._page[start : start + _TEXT_BYTES] = block
 
     def _set(self, field: str, value: float) -> None:
         self._numbers[_NUMBERS.index(field)] = value
 
     def _get(self, field: str) -> float:
         return self._numbers[_NUMBERS.index(field)]
+
+
+def note_of(activity: Mapping[str, str]) -> bytes:
+    """Return what `Beacon.enter` takes; it is worth keeping for the next time."""
+    return _block(json.dumps(activity))
+
+
+def _block(text: str) -> bytes:
+    """Return a text as the page holds it."""
+    raw = text.replace("\0", "").encode()[: _TEXT_BYTES - _CHECK_BYTES]
+    return (_check(raw) + raw).ljust(_TEXT_BYTES, b"\0")
 
 
 def _check(raw: bytes) -> bytes:

@@ -4,6 +4,7 @@ import contextlib
 import json
 import re
 import signal
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +23,13 @@ class CutOff:
     def __init__(self, beacon: Beacon, code: int, stopped: str) -> None:
         self._beacon = beacon
         self._stack = self._left()
-        self._activity = beacon.activity()
+        loop, job = beacon.loop(), beacon.activity()
+        self._activity = job or loop  # of a job that is computed in the loop, that is the inner one
         how = stopped or f"the executive's process {_ending(code)}"
         place = self._place()
         at = f" ({place})" if place else ""
-        component, verb = self._activity.get("component", ""), self._activity.get("verb", "")
-        who = f"{component} failed in '{verb}': " if component else ""
         self._error = how
-        self.reason = f"{who}{how}{at}"
+        self.reason = f"{_who(self._activity)}{how}{at}{_beside(loop, self._activity)}"
 
     def write_report(self) -> None:
         """Write what is known as the run's report, unless there is one."""
@@ -55,7 +55,7 @@ class CutOff:
                 "capability": self._activity.get("capability", ""),
                 "name": self._activity.get("name", ""),
                 "verb": self._activity.get("verb", ""),
-                "node": "",
+                "node": self._activity.get("node", ""),
                 "error": self._error,
                 "place": self._place(),
                 "traceback": self._stack,
@@ -80,6 +80,21 @@ class CutOff:
         except OSError:
             return ""
         return text
+
+
+def _who(activity: Mapping[str, str]) -> str:
+    verb = f" in '{activity['verb']}'" if activity.get("verb") else ""
+    return f"{activity['component']} failed{verb}: " if activity.get("component") else ""
+
+
+def _beside(loop: Mapping[str, str], told: Mapping[str, str]) -> str:
+    """Say where the loop was while a thread computed: nothing tells which of them ended both."""
+    return "" if loop in ({}, told) else f"; the loop was in {_named(loop)}"
+
+
+def _named(activity: Mapping[str, str]) -> str:
+    verb = f"'{activity['verb']}' of " if activity.get("verb") else ""
+    return f"{verb}{activity.get('component', '')}"
 
 
 def _ending(code: int) -> str:

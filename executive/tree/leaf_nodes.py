@@ -45,9 +45,9 @@ class LeafCall:
         if self.memory is not None:
             self.memory.attach(path, lambda state: self.leaf.restore(state))
 
-    def timed(self) -> AbstractContextManager[object]:
-        """Return the context in which the tick's time is charged to this leaf."""
-        return self._runtime.timed(self.path)
+    def within(self) -> AbstractContextManager[object]:
+        """Return the context of this leaf's own code."""
+        return self._runtime.within(self.path, self.use.name)
 
     def recalled(self) -> Recalled | None:
         """Return how this visit went in the past of a resumed mission; None in the present."""
@@ -114,7 +114,7 @@ class Asked:
 
     def __call__(self) -> Outcome[Any]:
         """Ask, and write the outputs."""
-        with self._call.timed():
+        with self._call.within():
             if self._call.memory is None:
                 return self._answer()
             found = self._call.recalled()
@@ -187,7 +187,7 @@ class RunNode(TreeNode):
 
     def update(self) -> Status:
         """Go on as far as possible without waiting."""
-        with self._call.timed():
+        with self._call.within():
             return self._updated()
 
     def _updated(self) -> Status:
@@ -247,7 +247,7 @@ class RunNode(TreeNode):
 
     def cancel(self) -> None:
         """Give up the job, and let the generator clean up."""
-        with self._call.timed():
+        with self._call.within():
             self._cancelled()
 
     def _cancelled(self) -> None:

@@ -131,6 +131,21 @@ def test_of_verbs_in_several_threads_the_one_that_has_to_end_first_is_watched(no
     assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
 
 
+def test_what_the_loop_is_in_is_the_innermost(now):
+    page = Beacon()
+    tick, verb = {"component": "behaviour 'Dig'"}, {"component": "x", "verb": "see"}
+    assert page.loop() == {}
+    page.enter(beacon_module.note_of(tick))
+    page.enter(beacon_module.note_of(verb))
+    assert page.loop() == verb
+    page.begin(1, {"verb": "move"}, 2.0)
+    assert (page.loop(), page.activity()) == (verb, {"verb": "move"})
+    page.leave()
+    assert page.loop() == tick
+    page.leave()
+    assert page.loop() == {}
+
+
 def test_of_a_run_that_is_given_up_nothing_is_watched_and_its_verb_stays_known(now):
     page = Beacon()
     page.watch(0.3, 0.3)

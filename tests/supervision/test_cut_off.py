@@ -19,8 +19,8 @@ ACTIVITY = {"component": "motion plugin 'mine'", "capability": "motion", "name":
 
 
 class Beacon:
-    def __init__(self, folder, activity=None, stack=None):
-        self.activity_now = activity or {}
+    def __init__(self, folder, activity=None, stack=None, loop=None):
+        self.activity_now, self.loop_now = activity or {}, loop or {}
         self.texts = {"run_dir": str(folder), "mission": "small"}
         if stack is not None:
             (folder / "stack").write_text(stack)
@@ -31,6 +31,9 @@ class Beacon:
 
     def activity(self):
         return self.activity_now
+
+    def loop(self):
+        return self.loop_now
 
 
 @pytest.mark.parametrize(
@@ -65,6 +68,33 @@ def test_without_a_line_of_the_plugin_the_place_is_that_of_its_verb(tmp_path):
 
 def test_outside_of_a_plugin_the_place_is_the_innermost_line(tmp_path):
     assert CutOff(Beacon(tmp_path, {}, STACK), 1, "x").reason == "x (/usr/lib/numpy/linalg.py:12)"
+
+
+LEAF = {"component": "behaviour 'Dig'", "name": "Dig", "node": "main/1:Dig"}
+
+
+def test_what_the_loop_was_in_is_told_where_no_job_was_computed(tmp_path):
+    verb = {**ACTIVITY, "verb": "observe"}
+    told = CutOff(Beacon(tmp_path, loop=verb, stack=STACK), -9, "it hangs").reason
+    assert told == "motion plugin 'mine' failed in 'observe': it hangs (/site/my_plugin/plan.py:34)"
+    cut_off = CutOff(Beacon(tmp_path, loop=LEAF, stack=STACK), -9, "it hangs")
+    assert cut_off.reason == "behaviour 'Dig' failed: it hangs (/usr/lib/numpy/linalg.py:12)"
+    cut_off.write_report()
+    fault = read_report(tmp_path / "report.json").fault
+    assert (fault.component, fault.name, fault.verb, fault.node) == (
+        "behaviour 'Dig'", "Dig", "", "main/1:Dig",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("loop", "where"),
+    [(LEAF, "behaviour 'Dig'"), ({**ACTIVITY, "verb": "see"}, "'see' of motion plugin 'mine'")],
+)
+def test_beside_a_job_it_is_told_where_the_loop_was(tmp_path, loop, where):
+    told = CutOff(Beacon(tmp_path, ACTIVITY, loop=loop), -9, "").reason
+    assert told.startswith("motion plugin 'mine' failed in 'move': the executive's process was")
+    assert told.endswith(f"(plan.py:50); the loop was in {where}")
+    assert "; " not in CutOff(Beacon(tmp_path, ACTIVITY, loop=ACTIVITY), -9, "").reason
 
 
 def test_the_report_says_what_is_known(tmp_path):

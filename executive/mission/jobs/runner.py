@@ -11,8 +11,9 @@ from typing import Any
 from executive.interfaces.plugin import Plugin
 from executive.mission.jobs.alarm import Overdue, alarm
 from executive.mission.jobs.call import Address, FunctionCall, VerbCall, VerbOverdueError
+from executive.mission.jobs.notes import activity_of
 from executive.mission.jobs.patience import Patience
-from executive.mission.jobs.stack import folder_of, frames_of, place_among
+from executive.mission.jobs.stack import frames_of, place_among
 from executive.supervision.beacon import beacon
 
 
@@ -57,16 +58,7 @@ class Task:
 @contextmanager
 def noted(task: Task) -> Iterator[None]:
     """Tell the supervisor what this process computes, in case it does not survive it."""
-    address = task.address
-    activity = {
-        "component": address.component,
-        "capability": address.capability,
-        "name": address.name,
-        "verb": address.verb,
-        "place": address.place,
-        "folder": folder_of(task.plugin),
-    }
-    beacon().begin(id(task), activity, task.limit_s)
+    beacon().begin(id(task), activity_of(task.address, task.plugin), task.limit_s)
     try:
         yield
     finally:

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from executive import registry
 from executive.interfaces.plugin import Plugin
 from executive.interfaces.robot import Robot
 from executive.messages.observation import Observation
 from executive.mission.jobs.answer import unfit
-from executive.mission.jobs.call import Address, WrongAnswerError
+from executive.mission.jobs.call import WrongAnswerError
+from executive.mission.jobs.notes import address_of, loop_in_verb
 
 
 def asked(verb: Callable[..., Any], *args: object) -> Any:
@@ -20,9 +20,12 @@ def asked(verb: Callable[..., Any], *args: object) -> Any:
     Raises:
         WrongAnswerError: If the answer is of another type than the interface says, or holds a NaN.
     """
-    answer = verb(*args)
     plugin = _owner(verb)
-    if plugin is not None and (reason := unfit(plugin, verb.__name__, answer)):
+    if plugin is None:
+        return verb(*args)
+    with loop_in_verb(plugin, verb.__name__):
+        answer = verb(*args)
+    if reason := unfit(plugin, verb.__name__, answer):
         raise _error(plugin, verb.__name__, reason)
     return answer
 
@@ -35,7 +38,8 @@ def observations_of(robot: Robot, until_s: float) -> Sequence[Observation]:
     Raises:
         WrongAnswerError: If the robot returns no sequence.
     """
-    found = robot.read(until_s)
+    with loop_in_verb(robot, "read"):
+        found = robot.read(until_s)
     if not isinstance(found, Sequence):
         raise _error(robot, "read", f"{type(found).__name__} instead of a sequence of observations")
     return found
@@ -47,6 +51,4 @@ def _owner(verb: Callable[..., Any]) -> Plugin | None:
 
 
 def _error(plugin: Plugin, verb: str, reason: str) -> WrongAnswerError:
-    name = registry.name_of(plugin.capability, type(plugin))
-    address = Address.of(plugin.capability, name, plugin, verb)
-    return address.error(WrongAnswerError, f"it returned {reason}")
+    return address_of(plugin, verb).error(WrongAnswerError, f"it returned {reason}")
