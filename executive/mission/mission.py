@@ -24,8 +24,10 @@ from executive.mission.report import Ending
 from executive.mission.setup import Setup
 from executive.mission.standstill import Standstill, brake_s
 from executive.supervision.beacon import beacon
+from executive.supervision.child import abandon
 from executive.watch.watch import Decision, Wish
 
+_ORPHANED = "the supervisor, the first of the run's two processes, has ended"
 _STATE_PERIOD_S = 1.0  # of the estimates kept for the report
 _VIEW_PERIOD_S = 0.2  # of poses and tree states handed to the viewer
 
@@ -55,6 +57,11 @@ class Mission(NodeRuntime):
     def request_stop(self) -> None:
         """Stop along the path as soon as the tick allows it, then end."""
         self.wishes.stop = True
+        self.clock.wake()
+
+    def be_orphaned(self) -> None:
+        """Stop the machine as soon as the tick allows it, and leave the run to be resumed."""
+        self.wishes.is_orphaned = True
         self.clock.wake()
 
     def toggle_pause(self) -> None:
@@ -201,6 +208,10 @@ class Mission(NodeRuntime):
         with self.times.spent("control"):
             for follow in self.between:
                 follow()
+        if self.wishes.is_orphaned:
+            self._safe_stop(_ORPHANED)
+            self.journal.secure()
+            abandon(f"{_ORPHANED}; the machine was told to stop, and the run can be resumed")
         if not self.wishes.stop or (self._ending and self._ending.outcome != "success"):
             return
         self._ending = Ending("stopped", "stopped by the operator")

@@ -11,6 +11,7 @@ class Wishes:
 
     Attributes:
         stop: The mission is to stop.
+        is_orphaned: The supervisor has died; the run is to be left as after a crash.
         pause: Why it is to be held; empty while it may go on.
         steps: Ticks that it may make although it is paused.
         resumed: Why it goes on after a pause.
@@ -19,6 +20,7 @@ class Wishes:
 
     def __init__(self) -> None:
         self.stop = False
+        self.is_orphaned = False
         self.pause = ""
         self.steps = 0
         self.resumed = ""

@@ -1,5 +1,6 @@
 """The executive's side of being supervised."""
 
+import contextlib
 import ctypes
 import faulthandler
 import os
@@ -8,18 +9,24 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable
+from typing import NoReturn
 
-from executive.supervision.beacon import Beacon, inherit
+from executive.supervision.beacon import Beacon, beacon, inherit
+from executive.supervision.cut_off import CutOff
 from executive.supervision.early_stop import STOPPING
 
+# Sent when the supervisor dies. Without a handler, as while the program loads, it ends the process.
+ORPHANED = signal.SIGRTMIN
 _SIGNAL_AT_DEATH_OF_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
+_STATUS = 3  # of a run that an error ended
+_STANDARD_ERROR = 2
 
 
 def live(page: Beacon, run: Callable[[], int]) -> None:
     """Run something, note its exit status for the supervisor, and exit.
 
     A call stack is written when the process crashes, or when the supervisor asks for it. When the
-    supervisor dies, the mission stops along its path, as after Ctrl-C.
+    supervisor dies, the machine is told to stop and the run is left as after a crash: `abandon`.
     """
     inherit(page)
     stack = tempfile.NamedTemporaryFile(  # noqa: SIM115 - open as long as the process
@@ -28,7 +35,7 @@ def live(page: Beacon, run: Callable[[], int]) -> None:
     page.name(stack=stack.name)
     faulthandler.enable(stack)
     faulthandler.register(signal.SIGUSR2, stack, all_threads=False)
-    ctypes.CDLL(None).prctl(_SIGNAL_AT_DEATH_OF_PARENT, signal.SIGTERM)
+    ctypes.CDLL(None).prctl(_SIGNAL_AT_DEATH_OF_PARENT, ORPHANED)
     try:
         status = run()
     except BaseException:  # the traceback goes to the terminal, as without a supervisor
@@ -39,3 +46,16 @@ def live(page: Beacon, run: Callable[[], int]) -> None:
     page.finish(status)
     os.unlink(stack.name)
     sys.exit(status)
+
+
+def abandon(reason: str) -> NoReturn:
+    """End this process as a crash would, so that its run can be resumed, and report why.
+
+    The journal gets no end, and leaves are not halted: what they would write had not happened when
+    the run was cut off.
+    """
+    cut_off = CutOff(beacon(), _STATUS, reason)
+    cut_off.write_report()
+    with contextlib.suppress(OSError):  # a terminal that is closed
+        os.write(_STANDARD_ERROR, f"fault: {cut_off.reason}\n".encode())
+    os._exit(_STATUS)

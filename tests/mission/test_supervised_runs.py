@@ -27,6 +27,16 @@ trees:
       - run: ScanSwing
         with: {{angle: 30 deg, duration: 2 s}}
 """
+WAITS = """
+api: 1
+mission: dry
+plugins: {robot: {plugin: kinematic, model: m545}, estimation: gnss_imu_filter}
+trees:
+  main:
+    sequence:
+      - {run: Localise, timeout: 30 s}
+      - wait: 3 s
+"""
 EXECUTIVE = [sys.executable, "-m", "executive.commands.entry"]
 
 
@@ -36,18 +46,25 @@ def environment(faulty_folder):
     return {**os.environ, "PYTHONPATH": path}
 
 
+def run_of(folder, environment, text, *words):
+    (folder / "dry.yaml").write_text(text, encoding="utf-8")
+    return subprocess.run(
+        [*EXECUTIVE, "run", "dry.yaml", "--run-dir=run", "--quiet", *words],
+        cwd=folder, env=environment, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+
+
+def wait_until(is_so):
+    limit_s = time.monotonic() + 60
+    while not is_so():
+        assert time.monotonic() < limit_s
+        time.sleep(0.05)
+
+
 @pytest.fixture
 def run(tmp_path, environment):
     def run_with(fault, *words):
-        (tmp_path / "dry.yaml").write_text(MISSION.format(fault=fault), encoding="utf-8")
-        ended = subprocess.run(
-            [*EXECUTIVE, "run", "dry.yaml", "--run-dir=run", "--quiet", *words],
-            cwd=tmp_path,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
+        ended = run_of(tmp_path, environment, MISSION.format(fault=fault), *words)
         report = tmp_path / "run" / "report.json"
         found = json.loads(report.read_text(encoding="utf-8")) if report.exists() else {}
         return ended.returncode, ended.stderr, found
@@ -107,12 +124,56 @@ def test_signals_reach_the_mission_through_its_supervisor(tmp_path, environment)
     words = ["run", "dry.yaml", "--run-dir=run", "--quiet", "--real-time", "--runner=thread"]
     with subprocess.Popen([*EXECUTIVE, *words], cwd=tmp_path, env=environment) as process:
         journal = tmp_path / "run" / "journal.jsonl"
-        limit_s = time.monotonic() + 60
-        while time.monotonic() < limit_s and not (
-            journal.exists() and "node_started" in journal.read_text(encoding="utf-8")
-        ):
-            time.sleep(0.1)
+        wait_until(lambda: journal.exists() and "node_started" in journal.read_text("utf-8"))
         process.send_signal(signal.SIGTERM)
         assert process.wait(30) == 1
     report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
     assert report["outcome"] == "stopped"
+
+
+@pytest.mark.parametrize(
+    ("verb", "how", "told"),
+    [
+        ("estimation.add_imu", "die", "the executive's process ended with exit status"),
+        ("estimation.state", "die", "the executive's process ended with exit status"),
+        ("robot.read", "hang", "the executive's loop has been silent for"),
+    ],
+)
+def test_a_verb_that_the_loop_itself_calls_is_named(tmp_path, environment, verb, how, told):
+    plugin, method = verb.split(".")
+    faults = f"faults: [{{plugin: {plugin}, verb: {method}, how: {how}, at: 1 s}}]\n"
+    limits = "loop: {heartbeat_limit: 2 s}\nwatch: {encoders: {do: stop, after: 60 s}}\n"
+    text = WAITS + faults + limits
+    done = run_of(tmp_path, environment, text, "--real-time", "--runner=thread")
+    assert done.returncode == 3, done.stderr
+    report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
+    names = {"estimation": "gnss_imu_filter", "robot": "wire"}  # in a process of its own
+    assert f"{plugin} plugin '{names[plugin]}' failed in '{method}': {told}" in report["reason"]
+    assert re.search(r"\.py:\d+", report["reason"])
+    assert report["reason"] in done.stderr
+    assert (report["fault"]["capability"], report["fault"]["verb"]) == (plugin, method)
+
+
+def test_a_run_whose_supervisor_is_killed_is_told_and_can_be_resumed(tmp_path, environment):
+    (tmp_path / "dry.yaml").write_text(WAITS, encoding="utf-8")
+    words = ["run", "dry.yaml", "--run-dir=run", "--quiet", "--real-time", "--runner=thread"]
+    process = subprocess.Popen(
+        [*EXECUTIVE, *words], cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True
+    )
+    with process:
+        journal = tmp_path / "run" / "journal.jsonl"
+        wait_until(lambda: journal.exists() and '"main/1' in journal.read_text(encoding="utf-8"))
+        process.kill()
+        assert process.wait(30) == -signal.SIGKILL
+        said = process.stderr.read()  # up to the end of the other process
+    report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
+    assert "the supervisor, the first of the run's two processes, has ended" in report["reason"]
+    assert report["reason"] in said
+    assert "mission_ended" not in journal.read_text(encoding="utf-8")
+    done = subprocess.run(
+        [*EXECUTIVE, "resume", "run", "--quiet"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
+    assert report["outcome"] == "success"

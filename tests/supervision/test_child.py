@@ -1,5 +1,6 @@
 """The executive under a supervisor: its status is noted, and it stops when the supervisor dies."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -44,7 +45,21 @@ def test_the_status_of_the_run_is_noted_and_that_of_the_process(status):
 
 def test_it_is_told_to_stop_when_its_supervisor_dies():
     _, found = lived("return 0")
-    assert int(found["told at the supervisor's death"]) == signal.SIGTERM
+    assert int(found["told at the supervisor's death"]) == signal.SIGRTMIN
+
+
+def test_an_abandoned_run_ends_at_once_with_a_report_of_what_it_was_in(tmp_path):
+    run = f"""page.name(run_dir={str(tmp_path)!r}, mission="small")
+    from executive.supervision.beacon import note_of
+    page.enter(note_of({{"component": "behaviour 'Dig'", "name": "Dig", "node": "main/1:Dig"}}))
+    from executive.supervision.child import abandon
+    abandon("nobody watches")"""
+    done, found = lived(run)
+    assert done.returncode == 3
+    assert "noted" not in found  # nothing is done any more, as after a crash
+    assert "fault: behaviour 'Dig' failed: nobody watches" in done.stderr
+    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert (report["outcome"], report["fault"]["node"]) == ("fault", "main/1:Dig")
 
 
 def test_an_error_is_told_and_is_status_one():

@@ -61,7 +61,7 @@ def test_the_status_is_noted_and_the_stack_s_file_is_removed(
     assert system == [
         str(stack),
         (signal.SIGUSR2, str(stack), False),
-        (1, signal.SIGTERM),  # prctl(2): PR_SET_PDEATHSIG
+        (1, signal.SIGRTMIN),  # prctl(2): PR_SET_PDEATHSIG
         *((number, signal.SIG_IGN) for number in STOPPING),
     ]
 
