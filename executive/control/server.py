@@ -150,9 +150,7 @@ class ControlServer:
         self._selector.register(found, selectors.EVENT_READ, client)
 
     def _serve(self, client: Client, events: int) -> None:
-        if events & selectors.EVENT_WRITE:
-            self._send(client)
-        if not events & selectors.EVENT_READ or client not in self._clients:
+        if not events & selectors.EVENT_READ:  # what is unsent goes out after all are served
             return
         try:
             found = client.socket.recv(MOST_BYTES)
