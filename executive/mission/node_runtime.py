@@ -1,9 +1,10 @@
 """A running mission as the nodes of its tree see it: context, journal, questions, faults."""
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from types import TracebackType
 
 from executive.events.event import Event
 from executive.events.mission import Fault, Faulted, StopFailed
@@ -19,7 +20,7 @@ from executive.mission.braking import Braking
 from executive.mission.context import NodeContext, Services
 from executive.mission.display import Display
 from executive.mission.guard import Guard
-from executive.mission.jobs.notes import loop_in_leaf
+from executive.mission.jobs.notes import Noted, loop_in_leaf
 from executive.mission.plugin_errors import PluginErrors, log
 from executive.mission.record.leaf_memory import LeafMemory
 from executive.mission.report import Ending
@@ -29,6 +30,28 @@ from executive.mission.streams import Streams
 from executive.mission.tick_times import LEAF
 from executive.mission.wishes import Wishes
 from executive.watch.watch import Decision
+
+
+class _OwnCode:
+    """A leaf's own code as a context: its time is charged to it, and its name is noted."""
+
+    __slots__ = ("_noted", "_spent")
+
+    def __init__(self, spent: AbstractContextManager[object], noted: Noted) -> None:
+        self._spent, self._noted = spent, noted
+
+    def __enter__(self) -> None:
+        self._spent.__enter__()
+        self._noted.__enter__()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._noted.__exit__(kind, error, trace)
+        self._spent.__exit__(kind, error, trace)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,10 +144,8 @@ class NodeRuntime(Runtime):
             self.journal.append(self._tick, self.clock.now_s(), node, event)
         self.injector.heed(node, event)
 
-    @contextmanager
-    def within(self, node: str, leaf: str) -> Iterator[None]:
-        with self.times.spent(LEAF, node), loop_in_leaf(node, leaf):
-            yield
+    def within(self, node: str, leaf: str) -> "_OwnCode":
+        return _OwnCode(self.times.spent(LEAF, node), loop_in_leaf(node, leaf))
 
     def show(self, entity: str, value: object) -> None:
         if entity == "survey" and isinstance(value, Cloud):
