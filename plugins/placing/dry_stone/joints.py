@@ -14,9 +14,7 @@ from executive.messages.building import AsBuilt
 _COURSE_M = 0.3  # centres of one course differ by less, those of two by more: half a stone
 _GAP_M = 0.3  # ends that are nearer to one another are those of neighbours
 _COVER_M = 0.10  # a stone lies over a joint by so much to each side, if it covers it
-_NOISE_M = (
-    0.05  # planned beyond that: a release is off by less along the structure in 95 % of cases
-)
+_NOISE_M = 0.05  # planned beyond that: 95 % of releases are off by less along the structure
 _STEP_M = 0.2  # along a curve, over which its heading counts as one
 
 
