@@ -1,5 +1,7 @@
 """Leaves that take hold of a stone, ticked in a tree to success and to failure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -189,6 +191,19 @@ def test_the_retreat_turns_the_cabin_at_its_top(stage, world):
     moved = asked.T_map_gripper @ inverse(T_map_gripper)  # about the machine, which stands at 0
     np.testing.assert_allclose(moved, pose(from_rpy(0.0, 0.0, 0.2), [0.0, 0.0, 1.5]), atol=1e-12)
     assert asked.leave_m == 1.5
+
+
+def test_the_retreat_turns_about_the_machine_wherever_it_stands(stage, world):
+    stands = pose(from_rpy(0.1, -0.05, 0.7), [2.0, -3.0, 0.4])
+    state = replace(world.leaf_context.state(), T_map_base=stands)
+    world.leaf_context.state = lambda: state
+    plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.found)
+    ended = world.tick(PlanRetreat, settings={"height": 1.0, "turn": 0.3})
+    assert ended.status == "SUCCESS"
+    (asked,) = (one["request"] for one in plugins(world)["motion"].calls("move"))
+    up_base = inverse(stands) @ pose(t=[0.0, 0.0, 1.0]) @ world.leaf_context.gripper()
+    expected_base = pose(from_rpy(0.0, 0.0, 0.3)) @ up_base  # about the cabin's own axis
+    np.testing.assert_allclose(inverse(stands) @ asked.T_map_gripper, expected_base, atol=1e-12)
 
 
 def test_the_retreat_is_straight_where_no_turn_is_free(stage, world):

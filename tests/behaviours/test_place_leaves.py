@@ -710,6 +710,47 @@ def test_what_registration_refuses_is_found_by_segmentation(stage, search, datab
     assert [(event.method, event.seen) for event in ended.events] == [("segmentation", (2,))]
 
 
+@pytest.mark.parametrize("done", [StoneState.PLACED, StoneState.SET_ASIDE])
+@pytest.mark.parametrize(("beside_m", "is_left_out"), [(0.5, True), (0.7, False)])
+def test_a_segment_at_a_stone_that_is_done_is_not_taken_for_the_one_that_is_sought(
+    stage, search, database, done, beside_m, is_left_out
+):
+    """Stone 1 lies in its slot; the only segment lies beside it, and no map shows stone 2."""
+    database.set_state(1, done, 2.0)
+    seen = database.stone(2).points_map.copy()
+    place = database.stone(1).centroid_map + [0.0, beside_m, 0.0]
+    seen += place - seen.mean(axis=0)
+    part = Segment(0, seen, seen.mean(axis=0), np.ptp(seen, axis=0))
+    offered = []
+    observe = database.observe
+    database.observe = lambda found, *rest: (offered.extend(found), observe(found, *rest))[1]
+    plugins(search).update(
+        registration=stage.Scripted(Registrar, find=alignment(False)),
+        segmentation=stage.Scripted(Segmenter, segment=Segmentation("map", (part,), *search.rest)),
+    )
+    search.tick(FindAgain, stone=2)
+    assert [one.id for one in offered] == ([] if is_left_out else [0])
+
+
+def test_a_segment_at_a_stone_on_the_ground_or_at_the_sought_one_itself_is_offered(
+    stage, search, database
+):
+    database.set_state(1, StoneState.ON_GROUND, 2.0)
+    database.set_state(2, StoneState.PLACED, 2.0)
+    parts = tuple(
+        Segment(i, stone.points_map, stone.centroid_map, np.ptp(stone.points_map, axis=0))
+        for i, stone in enumerate(database.stones())
+    )
+    segmented = Segmentation("map", parts, *search.rest)
+    plugins(search).update(
+        registration=stage.Scripted(Registrar, find=alignment(False)),
+        segmentation=stage.Scripted(Segmenter, segment=segmented),
+    )
+    ended = search.tick(FindAgain, stone=2)
+    assert ended.status == "SUCCESS"
+    assert [event.seen for event in ended.events] == [(1, 2)]
+
+
 def test_a_stone_that_is_gone_is_a_failure(stage, search, database):
     plugins(search).update(
         registration=stage.Scripted(Registrar, find=alignment(False)),

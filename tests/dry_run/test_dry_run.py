@@ -66,6 +66,27 @@ def test_a_loop_without_time_is_ended_and_told(mission, monkeypatch):
     assert "a loop that takes no time" in result.reason
 
 
+def test_a_question_with_choices_is_answered_by_the_seed_with_each_of_them(mission):
+    made = mission(
+        "sequence:\n  - ask: Which way?\n    choices: [left, ahead, right]\n"
+        '    out: {answer: "{way}"}'
+    )
+    answers = []
+    for seed in range(30):
+        result, _ = run(made, seed, failures=0.0)
+        assert result.outcome == "success"
+        answers.append(result.store.get("way"))
+    assert {*answers} == {"left", "ahead", "right"}
+    again = [run(made, seed, failures=0.0)[0].store.get("way") for seed in range(30)]
+    assert again == answers
+
+
+def test_a_question_of_yes_or_no_fails_where_the_seed_answers_no(mission):
+    made = mission("ask: Go on?")
+    outcomes = [run(made, seed, failures=0.0)[0].outcome for seed in range(20)]
+    assert {*outcomes} == {"success", "failure"}
+
+
 def test_what_is_made_up_and_what_is_read_of_it_is_told(mission):
     made = mission(
         'sequence:\n  - run: Look\n  - check: "{rock.mass} >= 0 kg and {rock.centre_m[2]} < 9 m"'

@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from executive.tree import expansion
 from executive.tree.problem import MissionFileError
 
 
@@ -35,6 +36,23 @@ def test_a_kilobyte_that_doubles_is_refused_at_the_tree_that_is_too_large(load: 
         load(doubling(30))
     assert len(caught.value.problems) == 1
     assert "each call is a copy" in str(caught.value)
+
+
+def test_trees_of_the_greatest_depth_are_taken_and_one_level_more_is_refused(load: Any) -> None:
+    load(chain(expansion.MAX_DEPTH - 2))  # below `main` and above the node that waits
+    with pytest.raises(MissionFileError, match=f"is {expansion.MAX_DEPTH + 1} levels deep"):
+        load(chain(expansion.MAX_DEPTH - 1))
+
+
+def test_trees_of_the_greatest_size_are_taken_and_one_node_more_is_refused(
+    load: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nodes = 1 + 3 * (2**4 - 1) + 2**4  # main, a sequence and two calls each time, and the leaves
+    monkeypatch.setattr(expansion, "MAX_NODES", nodes)
+    load(doubling(4))
+    monkeypatch.setattr(expansion, "MAX_NODES", nodes - 1)
+    with pytest.raises(MissionFileError, match=f"has {nodes} nodes with its calls written out"):
+        load(doubling(4))
 
 
 def test_circles_are_told_together_with_what_else_is_wrong(load: Any) -> None:
