@@ -84,8 +84,14 @@ class ScanMatcher:
         if shift_m > s.max_shift_m or angle_between(T[:3, :3], guess[:3, :3]) > s.max_turn_rad:
             return None
         H = np.array(result.H)
-        if not np.isfinite(H).all() or np.linalg.eigvalsh(H)[0] <= 0:
+        if not np.isfinite(H).all() or _is_singular(H):
             return None
         return PoseConstraint(
             T, s.covariance_factor * np.linalg.inv(H) + s.least_std_m**2 * np.eye(6)
         )
+
+
+def _is_singular(H: Float) -> bool:
+    """Return whether a symmetric matrix has no inverse within rounding, or is not positive."""
+    least, *_, most = np.linalg.eigvalsh(H)
+    return bool(least <= len(H) * np.finfo(np.float64).eps * most)

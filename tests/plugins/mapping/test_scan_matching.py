@@ -96,3 +96,14 @@ def test_the_first_pair_has_no_match() -> None:
         )
         is None
     )
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_pair_of_too_few_returns_for_a_pose_has_no_match(count: int) -> None:
+    """The Hessian has no inverse, though rounding may leave its least eigenvalue above zero."""
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        matcher = ScanMatcher(ScanMatchingSettings())
+        lone = rng.uniform(-9, 9, (count, 3)).astype(np.float32)
+        matcher.add(0, lone)
+        assert matcher.match(lone, np.eye(4), lambda node: np.eye(4)) is None
