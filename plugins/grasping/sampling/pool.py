@@ -108,7 +108,7 @@ class Sampler:
         R, position = tried.R[held], holds.position[held]
         costs = paper_costs(R, position, scene.centre, scene.ground.normal)
         costs |= hold_costs(field, holds, held, R, scene.centre)
-        jaw_rad = field.jaw_rad[holds.progress[held].min(axis=1, initial=len(field.jaw_rad) - 1)]
+        jaw_rad = field.jaw_rad[holds.progress[held].min(axis=1)]
         return Pool(R, position, jaw_rad, costs, refused)
 
     def _hypotheses(self, scene: PlanningCloud, rng: np.random.Generator) -> tuple[Hypotheses, int]:
