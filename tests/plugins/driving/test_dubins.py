@@ -56,3 +56,12 @@ def test_a_full_turn_by_rounding_is_none():
     assert _turn(2 * np.pi - 1e-10) == 0.0
     assert _turn(-1e-6) == pytest.approx(2 * np.pi - 1e-6)
     assert _turn(7.0) == pytest.approx(7.0 - 2 * np.pi)
+
+
+def test_a_curve_to_where_it_starts_is_one_pose_that_does_not_bend():
+    here = np.array([1.0, -2.0, 0.7])
+    curve = next(curves(here, here, 2.0))
+    assert curve.length_m == pytest.approx(0.0, abs=1e-9)
+    poses, curvature = curve.sampled(STEP_M)
+    np.testing.assert_array_equal(poses, [here])
+    np.testing.assert_array_equal(curvature, [0.0])

@@ -154,6 +154,31 @@ def test_a_long_mission_costs_no_more_memory_than_a_short_one(
     assert parts.track.next_number == 70
 
 
+def test_what_the_machine_has_left_behind_is_not_there_when_it_comes_back(
+    make_graph: Callable, make_yard: Callable, machine: Machine
+) -> None:
+    yard, mapper = make_yard(0.0), make_graph(radius_m=10.0, min_points=1, **COARSE)
+    wall = np.stack(np.meshgrid([3.0], np.arange(-1, 1, 0.1), np.arange(1, 2, 0.1)), axis=-1)
+    lone = yard.as_scan(np.array([[4.0, 0.0, 0.0]]), "lidar_horizontal")
+
+    def drive_to(x_m: float) -> None:
+        motion = yard.motion(1.0)
+        there = pose(t=np.array([x_m, 0.0, 0.0])) @ motion.T_map_cabin
+        mapper.add_scan_pair([lone], replace(motion, T_map_cabin=there))
+
+    def points_of_the_wall() -> int:
+        return int((np.abs(mapper.cloud().points[:, 0] - 3.0) < 0.2).sum())
+
+    drive_to(0.0)
+    mapper.add_surface(wall.reshape(-1, 3))
+    drive_to(5.0)
+    drive_to(0.0)
+    assert points_of_the_wall() > 100
+    drive_to(30.0)
+    drive_to(0.0)
+    assert points_of_the_wall() == 0
+
+
 def test_a_separate_process_gives_the_same_planes(
     make_graph: Callable, make_yard: Callable, off_planes: Callable
 ) -> None:

@@ -280,6 +280,17 @@ def test_tells_jaws_that_hold_nothing(watch) -> None:
     assert told.detail.startswith("nothing is between the jaws; ")
 
 
+def test_jaws_that_close_where_a_stone_fell_out_have_lost_it(watch) -> None:
+    """The angle alone says that nothing is held; what became of the stone is as sure, and told."""
+    carry = Carry()
+    fallen = carry.after(FAULT_S)
+    for signal in (carry.force, carry.weight, carry.jaw):
+        signal *= 1 - fallen
+    verdict = only(watch(carry)[0])
+    assert verdict.trouble is Trouble.DROP
+    assert verdict.detail.startswith("lost (p = ")
+
+
 def test_without_measured_jaw_forces_weight_and_jaws_tell(watch) -> None:
     fallen, set_down = Carry(), Carry()
     for carry in (fallen, set_down):

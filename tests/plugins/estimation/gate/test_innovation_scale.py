@@ -78,3 +78,12 @@ def test_a_covariance_that_is_none_says_nothing() -> None:
     for _ in range(21):
         scale.add(np.ones(3), np.zeros((3, 3)), np.diag([1.0, -1.0, 1.0]))
     assert scale.factor() == 4.0
+
+
+@pytest.mark.parametrize("known", [1.0, 1.5, 2.0])
+def test_a_known_factor_holds_from_the_first_innovation_on(known: float) -> None:
+    scale = InnovationScale(3, known)
+    assert scale.factor() == known
+    for _ in range(10):  # the eleventh of 21 would be the median
+        scale.add(np.full(3, 100.0), PREDICTED, DECLARED)
+    assert scale.factor() == (known if known > 1.0 else LARGEST_SCALE)

@@ -86,6 +86,34 @@ def test_states_between_nodes_have_no_step_at_the_nodes(recording) -> None:
         np.testing.assert_allclose(there.R_map_imu, node.R_map_imu, atol=1e-9)
 
 
+def test_without_measurements_there_is_a_node_every_half_a_second_up_to_the_last_gap() -> None:
+    """A gap is filled until no more than two of these times are left."""
+    z = np.zeros(3)
+    rest = InertialState(Inertial(0.0, z, z), np.eye(3), z, z, z, z)
+    samples = [Inertial(k / 100, z, np.array([0.0, 0.0, 9.81]), 0.01) for k in range(1, 261)]
+    fixes = [Fix(s, "gnss", z, z, 1e-4 * np.eye(3)) for s in (0.3, 2.5)]
+    graph = WholeGraph(
+        Recording((rest, COVARIANCE), samples, fixes), SmootherSettings(node_after_s=0.5), NOISE
+    )
+    states = graph.solve()
+    assert len(graph) == len(states)
+    stamps_s = [0.0, 0.3, 0.8, 1.3, 1.8, 2.5, 2.6]
+    assert [state.stamp_s for state in states] == pytest.approx(stamps_s)
+    for state in states:
+        np.testing.assert_allclose(state.p_map_imu, z, atol=1e-3)
+        np.testing.assert_allclose(state.v_map_imu, z, atol=1e-3)
+
+
+@pytest.mark.parametrize(("apart_s", "nodes"), [(0.0004, 3), (0.0007, 4)])
+def test_measurements_half_a_millisecond_apart_share_a_node(apart_s: float, nodes: int) -> None:
+    z = np.zeros(3)
+    rest = InertialState(Inertial(0.0, z, z), np.eye(3), z, z, z, z)
+    samples = [Inertial(k / 100, z, np.array([0.0, 0.0, 9.81]), 0.01) for k in range(1, 41)]
+    fixes = [Fix(s, "gnss", z, z, 1e-4 * np.eye(3)) for s in (0.3, 0.3 + apart_s)]
+    graph = WholeGraph(Recording((rest, COVARIANCE), samples, fixes), SmootherSettings(), NOISE)
+    assert len(graph.solve()) == nodes
+
+
 def test_an_outage_is_bridged_from_both_ends(cabin) -> None:
     observations = [
         o

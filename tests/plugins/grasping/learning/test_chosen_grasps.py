@@ -36,11 +36,12 @@ def test_half_of_the_grasps_are_the_first_of_the_paper_and_half_are_random() -> 
 def test_with_a_network_a_third_each_are_its_first_the_papers_first_and_random() -> None:
     likely = np.array([4, 11])
     drawn = [
-        chosen_for_lifts(pool(12), 6, np.random.default_rng(k), likely).tolist() for k in range(30)
+        chosen_for_lifts(pool(12), 6, np.random.default_rng(k), likely).tolist() for k in range(60)
     ]
     assert all(one[:4] == [4, 11, 10, 9] for one in drawn)
     assert all(len(set(one)) == 6 for one in drawn)
-    assert {index for one in drawn for index in one[4:]} == {0, 1, 2, 3, 5, 6, 7, 8}
+    for place in (4, 5):  # none of these is always the same
+        assert {one[place] for one in drawn} == {0, 1, 2, 3, 5, 6, 7, 8}
 
 
 def test_a_network_chooses_as_a_planner_tries_what_differs_first(
