@@ -54,8 +54,13 @@ def evaluate(one: Expression, store: Store) -> Any:
     try:
         return _Evaluation(store, {}).value(one)
     except _UNUSABLE as error:
-        told = str(error).strip("'\"") or type(error).__name__
+        told = str(_reason(error)) or type(error).__name__
         raise ConfigError(f"'{one}' cannot be computed: {told}") from error
+
+
+def _reason(error: Exception) -> object:
+    """Return what an error says; as a text, a KeyError is its key in quotation marks."""
+    return error.args[0] if isinstance(error, KeyError) and error.args else error
 
 
 def values_in(one: Expression, store: Store) -> str:
