@@ -1,5 +1,7 @@
 """The noise of each channel has the standard deviation of the machine's sheet."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from executive_plugins.robot.sensor_noise import SensorNoise
@@ -10,6 +12,7 @@ from executive.machine.sensor import Gnss, Imu
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
 
 COUNT = 2000
 WITHIN = 0.12  # of a standard deviation: seven standard errors of its estimate
@@ -71,3 +74,18 @@ def test_two_channels_of_a_sample_are_independent() -> None:
     rows = [np.r_[s.angular_velocity_rad_s, s.specific_force_m_s2] for s in noisy]
     off = np.corrcoef(np.array(rows).T) - np.eye(6)
     assert np.abs(off).max() < 0.12
+
+
+def test_what_a_machine_has_no_noisy_sensor_for_stays_as_it_is() -> None:
+    """An antenna's name on an inertial sample, and the other way round; no encoders at all."""
+    imu = next(name for name, s in M545.sensors.items() if isinstance(s, Imu))
+    antenna = next(name for name, s in M545.sensors.items() if isinstance(s, Gnss))
+    noise = SensorNoise(M545, np.random.default_rng(1))
+    sample = ImuSample(1.0, antenna, np.ones(3), np.ones(3))
+    fix = GnssFix(1.0, imu, DATUM, np.eye(3), True)
+    scan = LidarScan(1.0, "lidar", np.zeros((0, 3)), np.zeros(0))
+    for one in (sample, fix, scan):
+        assert noise.on(one) is one
+    bare = SimpleNamespace(sensors={}, sensors_of=lambda kind: ())
+    of_joints = joints()
+    assert SensorNoise(bare, np.random.default_rng(1)).on(of_joints) is of_joints

@@ -1,4 +1,4 @@
-"""What a world is told in mid-motion: to stop for good, to wait, to drive, to go on from a state."""
+"""What a world is told in mid-motion: to stop for good, to wait, to drive, to go on as it was."""
 
 import numpy as np
 import pytest
