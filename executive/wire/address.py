@@ -48,19 +48,26 @@ class Address:
             ConfigError: If the address is in use or cannot be made.
         """
         try:
-            if self.path:
-                found = socket.socket(socket.AF_UNIX)
-                _remove_dead(Path(self.path))
-                found.bind(self.path)
-                Path(self.path).chmod(0o600)
-            else:
-                found = socket.socket(socket.AF_INET)
-                found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-                found.bind((_HOST, self.port))
+            found = self._bound()
         except OSError as error:
             raise ConfigError(f"cannot listen at {self}: {error}") from error
         found.listen()
         found.setblocking(False)
+        return found
+
+    def _bound(self) -> socket.socket:
+        found = socket.socket(socket.AF_UNIX if self.path else socket.AF_INET)
+        try:
+            if self.path:
+                _remove_dead(Path(self.path))
+                found.bind(self.path)
+                Path(self.path).chmod(0o600)
+            else:
+                found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                found.bind((_HOST, self.port))
+        except OSError:
+            found.close()
+            raise
         return found
 
     def connect(self, timeout_s: float) -> socket.socket:
