@@ -179,6 +179,16 @@ def test_what_the_machine_has_left_behind_is_not_there_when_it_comes_back(
     assert points_of_the_wall() == 0
 
 
+def test_a_pair_without_returns_changes_nothing(make_graph: Callable, make_yard: Callable) -> None:
+    yard, mapper = make_yard(0.0), make_graph(min_points=1, **COARSE)
+    empty = yard.as_scan(np.zeros((0, 3)), "lidar_horizontal")
+    assert mapper.add_scan_pair([empty], yard.motion(1.0)) == 0
+    assert len(mapper.cloud()) == 0
+    lone = yard.as_scan(np.array([[4.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), "lidar_horizontal")
+    assert mapper.add_scan_pair([lone, empty], yard.motion(1.0)) == 2
+    assert len(mapper.cloud()) == 2
+
+
 def test_a_separate_process_gives_the_same_planes(
     make_graph: Callable, make_yard: Callable, off_planes: Callable
 ) -> None:

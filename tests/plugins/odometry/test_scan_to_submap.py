@@ -16,8 +16,8 @@ FRAME = "lidar_horizontal"
 FLAT = np.array([[0, 0, 1, -2.0]])
 
 
-def started(yard) -> ScanToSubmap:
-    odometry = ScanToSubmap(ScanToSubmapSettings(), yard.machine)
+def started(yard, **settings: float) -> ScanToSubmap:
+    odometry = ScanToSubmap(ScanToSubmapSettings.model_validate(settings), yard.machine)
     odometry.start()
     return odometry
 
@@ -125,3 +125,52 @@ def test_an_empty_scan_gives_nothing(yard) -> None:
     odometry = started(yard())
     odometry.add_scan(yard().scan(0.1))
     assert odometry.add_scan(LidarScan(0.2, FRAME, np.zeros((0, 3)), np.zeros(0))) is None
+
+
+def test_a_scan_twice_or_out_of_order_changes_nothing(yard) -> None:
+    standing, odometry = yard(), started(yard())
+    odometry.add_scan(standing.scan(0.2))
+    assert odometry.add_scan(standing.scan(0.2)) is None
+    assert odometry.add_scan(standing.scan(0.1)) is None
+    increment = odometry.add_scan(standing.scan(0.3))
+    assert (increment.from_s, increment.to_s) == (0.2, 0.3)
+
+
+def test_after_a_gap_the_motion_is_unknown_and_a_new_map_begins(yard) -> None:
+    standing, odometry = yard(), started(yard(), longest_gap_s=0.3)
+    odometry.add_scan(standing.scan(0.1))
+    assert odometry.add_scan(standing.scan(0.35)) is not None
+    assert odometry.add_scan(standing.scan(0.7)) is None
+    increment = odometry.add_scan(standing.scan(0.8))
+    assert (increment.from_s, increment.to_s) == (0.7, 0.8)
+
+
+@pytest.mark.parametrize("between", [False, True])
+def test_so_many_refusals_in_a_row_begin_a_new_map(yard, between: bool) -> None:
+    """A scan that matches in between makes the count begin anew."""
+    here, odometry = yard(), started(yard(), restart_after=2)
+    there = yard(planes=np.array([[0, 0, 1, -4.0], [1, 0, 0, 5.0], [0, 1, 0, 6.0]]))
+    odometry.add_scan(here.scan(0.1))
+    assert odometry.add_scan(there.scan(0.2)) is None
+    if between:
+        assert odometry.add_scan(here.scan(0.3)).from_s == 0.1
+    assert odometry.add_scan(there.scan(0.4)) is None
+    increment = odometry.add_scan(there.scan(0.5))
+    assert increment is None if between else increment.from_s == 0.4
+
+
+def test_a_scan_of_too_few_returns_begins_no_map(yard) -> None:
+    standing, odometry = yard(), started(yard(), neighbours=6)
+    few = np.random.default_rng(0).uniform(3.0, 9.0, (5, 3))
+    assert odometry.add_scan(LidarScan(0.1, FRAME, few, np.full(5, 0.1))) is None
+    assert odometry.add_scan(standing.scan(0.2)) is None
+    assert odometry.add_scan(standing.scan(0.3)).from_s == 0.2
+
+
+def test_a_rig_without_the_sensor_gives_nothing(yard) -> None:
+    odometry = started(yard(), frame="lidar_of_another")
+    sample = yard().scan(0.1)
+    odometry.add_imu(yard().imu(0.1))
+    odometry.add_joints(yard().joints(0.1))
+    same = LidarScan(0.1, "lidar_of_another", sample.points_lidar, sample.point_stamps_s)
+    assert odometry.add_scan(same) is None
