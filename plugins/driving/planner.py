@@ -41,8 +41,6 @@ class Dubins(DrivePlanner):
         if limits is None:
             return _refused(DriveTrouble.REFUSED, f"{self._machine.name} does not drive")
         start = np.append(request.T_map_base[:2, 3], yaw_of(request.T_map_base[:3, :3]))
-        if not (np.isfinite(start).all() and np.isfinite(request.goals_map).all()):
-            raise DataError("a pose of a request to drive is not finite")
         check = self._check(request, start, limits)
         first: DrivePlan | None = None
         for goal in request.goals_map:
