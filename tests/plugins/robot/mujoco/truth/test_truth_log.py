@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 
+from executive.errors import DataError
+
 WORLD = """
 <mujoco><worldbody>
   <geom name="terrain" type="plane" size="9 9 1"/>
@@ -102,3 +104,39 @@ def test_contacts_of_the_machine_are_told_as_spans(world: Moved) -> None:
     (span,) = world.log.spans()
     assert (span.link, span.other, span.from_s) == ("cabin", "stone_2", 0.0)
     assert span.to_s == pytest.approx(0.1)  # the control step at whose end it was gone
+
+
+def test_what_another_process_recorded_is_taken_with_times_from_its_zero(world: Moved) -> None:
+    for k in range(6):
+        world.step(0.1 * k, x=float(k))
+    world.step(0.6, x=5.0)  # it lies
+    other = Moved()
+    other.step(0.0, x=-7.0)
+    other.log.take(world.log.records(), 0.2)
+    assert other.log.end_s == pytest.approx(0.4)
+    for at_s in (-0.2, 0.0, 0.13, 0.4):
+        assert other.log.centroids(at_s) == pytest.approx(world.log.centroids(at_s + 0.2))
+        found, there = other.log.T_world_cabin(at_s), world.log.T_world_cabin(at_s + 0.2)
+        np.testing.assert_allclose(found, there, atol=1e-12)
+    heights, distances = other.log.holding(0, 0.0, 0.4)
+    expected = world.log.holding(0, 0.2, 0.6)
+    np.testing.assert_allclose((heights, distances), expected, atol=1e-12)
+    for found, there in zip(other.log.keep(), world.log.keep(), strict=True):
+        np.testing.assert_allclose(found[0], there[0] - 0.2)
+        np.testing.assert_array_equal(found[1], there[1])
+
+
+@pytest.mark.parametrize("name", ["stamps_s", "stone_poses", "cabin_poses", "gripper_poses"])
+def test_records_that_lack_something_are_refused(world: Moved, name: str) -> None:
+    world.step(0.0)
+    records = dict(world.log.records())
+    del records[name]
+    with pytest.raises(DataError, match="incomplete"):
+        world.log.take(records, 0.0)
+
+
+def test_records_of_other_stones_are_refused(world: Moved) -> None:
+    world.step(0.0)
+    records = {**world.log.records(), "names": np.array(["stone_1", "stone_3"])}
+    with pytest.raises(DataError, match="another site"):
+        world.log.take(records, 0.0)
