@@ -17,7 +17,7 @@ from executive.messages.solid_stone import SolidStone
 _STEP_M = 0.01  # of the lowering: a guarded descent ends within this of the first touch
 _MOST_M = 1.0  # how far a stone is raised to be free, or lowered to touch
 _LEAST_S, _MOST_S = 0.6, 4.0
-_TOUCHING_M = 5e-3  # half of what ten convex pieces are off a scan (convex_pieces.py)
+TOUCHING_M = 5e-3  # half of what ten convex pieces are off a scan (convex_pieces.py)
 _GONE = 1.5  # times its bounds, from where a stone does not sway back
 _AWAY_M = 1e3  # height of the stone until it is released: it meets nothing there
 _PARTING = 80  # pairs of steps in which overlaps are parted; each parts a tenth or more
@@ -117,7 +117,7 @@ class Trial:
         Faces that are closer than the shapes are true count as touching: a stone at rest sways by
         fractions of a millimetre, and in one instant bears on fewer points than it does.
         """
-        return touches_of(self.world, only=self._new, within_m=_TOUCHING_M)
+        return touches_of(self.world, only=self._new, within_m=TOUCHING_M)
 
     def poses(self) -> Sequence[Float]:
         """Return the present poses of all stones, the new one last."""

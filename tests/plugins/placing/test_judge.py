@@ -115,3 +115,15 @@ def test_a_joint_runs_on_unless_a_higher_stone_covers_it(
         for k, (x_m, z_m, length_m) in enumerate(stones)
     ]
     assert judge._running_joints(AsBuilt(wall, bare().ground).with_standing(*standing)) == share
+
+
+@pytest.mark.parametrize(("raised_m", "bears"), [(0.002, 0.7), (0.02, None)])
+def test_stones_that_sway_off_the_ground_still_bear_and_those_above_it_do_not(
+    raised_m: float, bears: float | None
+) -> None:
+    trials = StabilityTrials(first_course(), WorldRules(step_s=0.004, friction=0.7, pieces=1))
+    trials._restore(trials._rest)
+    trials._world.data.qpos[2::7] += raised_m
+    trials._rest = trials._state()
+    load = trials.load(np.array([1.0, 0.0, 0.0]))
+    assert load == (bears if bears is None else pytest.approx(bears, abs=0.01))

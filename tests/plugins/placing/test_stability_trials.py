@@ -178,7 +178,7 @@ def test_the_load_is_the_smaller_of_both_sides(trials, monkeypatch) -> None:
         return bears[tuple(towards)]
 
     monkeypatch.setattr(stability_trials, "largest_load", largest)
-    monkeypatch.setattr(stability_trials, "touches_of", lambda world: "touches")
+    monkeypatch.setattr(stability_trials, "touches_of", lambda world, within_m: "touches")
     own = trials([0.5, 1.0], [60.0] * 2)
     bears = {(0.0, 1.0, 0.0): 0.5, (0.0, -1.0, 0.0): 0.4}
     assert own.load(Y) == 0.4
