@@ -107,3 +107,17 @@ def test_no_turn_is_far_from_those_that_are_tried() -> None:
         for axis in rng.normal(size=(100, 3))
     ]
     assert max(min(angle_between(R, turn) for turn in tried) for R in drawn) < np.radians(40)
+
+
+@pytest.mark.parametrize("points", [np.zeros((0, 3)), np.full((4, 3), 2.0)])
+def test_a_model_without_extent_is_not_searched_for(points: np.ndarray) -> None:
+    found = SHOT.find(Cloud("map", np.zeros((0, 3))), Cloud("map", points))
+    assert not found.accepted
+    assert "no extent" in found.reason
+
+
+def test_a_cloud_without_ground_is_told() -> None:
+    model = Cloud("map", np.random.default_rng(0).uniform(-0.5, 0.5, (100, 3)))
+    found = SHOT.find(Cloud("map", np.zeros((0, 3))), model)
+    assert not found.accepted
+    assert "cannot be segmented" in found.reason
