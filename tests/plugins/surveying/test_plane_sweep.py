@@ -217,3 +217,46 @@ def test_names_a_picture_that_is_cut_short_or_turned(tmp_path: Path) -> None:
     Image.fromarray(noise.transpose(1, 0, 2)).save(tmp_path / "a.jpg")
     with pytest.raises(DataError, match=r"a.jpg: is turned by its tags"):
         make_view(picture, tmp_path, np.eye(4), 80.0)
+
+
+def middle(view: View, side: int) -> View:
+    """Return the square in the middle of a view."""
+    top, left = (length // 2 - side // 2 for length in view.grey.shape)
+    K = view.K - [[0, 0, left], [0, 0, top], [0, 0, 0]]
+    grey = view.grey[top : top + side, left : left + side].copy()
+    return View(grey, K, view.T_optical_world)
+
+
+def test_a_halved_view_sees_what_four_pixels_saw() -> None:
+    """The middle of the four, on the same ray; a last odd row and column are left out."""
+    grey = np.arange(35.0, dtype=np.float32).reshape(5, 7)
+    view = View(grey, K, np.eye(4))
+    half = plane_sweep._halved(view)
+    np.testing.assert_array_equal(half.grey, [[4.0, 6.0, 8.0], [18.0, 20.0, 22.0]])
+    four = view.rays()[2:4, 4:6].reshape(4, 3).mean(axis=0)
+    np.testing.assert_allclose(half.rays()[1, 2], four, atol=1e-12)
+    assert view.K[0, 0] == 150.0
+
+
+def test_a_sweep_of_many_planes_compares_small_pictures_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It finds the same as without, and asks for a part of the planes."""
+    views = [enlarged(middle(view, 64)) for view in around()[:3]]
+    offsets = np.linspace(-0.6, 0.6, 25)
+    plain, asked = plane_sweep._sweep, []
+
+    def noted(grey, greys, H, half, ranges):
+        asked.append((grey.shape, len(H), ranges))
+        return plain(grey, greys, H, half, ranges)
+
+    monkeypatch.setattr(plane_sweep, "_sweep", noted)
+    chosen, _ = sweep(views[0], views[1:], UP, offsets, 5)
+    assert [(shape, planes) for shape, planes, _ in asked] == [((64, 64), 13), ((128, 128), 25)]
+    widths = np.diff(asked[1][2], axis=2) + 1
+    assert np.median(widths) < 15
+    monkeypatch.setattr(plane_sweep, "_MANY_PLANES", 1000)
+    through_all, score = sweep(views[0], views[1:], UP, offsets, 5)
+    sure = np.isfinite(through_all) & (score > 0.6)
+    assert sure.mean() > 0.3
+    assert (np.abs(chosen - through_all)[sure] < 1e-3).mean() > 0.97
