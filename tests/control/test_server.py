@@ -5,6 +5,7 @@ import os
 import socket
 import stat
 import threading
+import time
 
 import pytest
 
@@ -170,6 +171,23 @@ def test_a_client_that_goes_before_its_reply_does_no_harm(tmp_path, server, woke
     with connect(tmp_path, 20) as connection:
         connection.sendall(b"{}\n")
         assert not replies(connection)[0].is_done
+
+
+def keep_sending(connection, data, limit_s=5.0):
+    until_s = time.monotonic() + limit_s
+    while time.monotonic() < until_s:
+        connection.sendall(data)
+        time.sleep(0.005)
+
+
+def test_a_client_that_does_not_take_its_reply_is_sent_away(tmp_path, server, woken):
+    with connect(tmp_path, 20) as connection:
+        connection.sendall(PAUSE.line())
+        assert woken.wait(20)
+        connection.shutdown(socket.SHUT_RD)  # it still asks, and listens no more
+        server.reply(server.asked.popleft(), Reply(True, "held"))
+        with pytest.raises(OSError, match=r"Broken pipe|reset"):
+            keep_sending(connection, b" ")  # of a line without an end, which is not answered
 
 
 def test_the_client_says_why_nobody_answers(tmp_path):
