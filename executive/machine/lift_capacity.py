@@ -14,12 +14,12 @@ from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
+from executive.machine.dynamics import Dynamics
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 
 TIPPING_SHARE, HYDRAULIC_SHARE = 0.75, 0.87  # ISO 10567:2007, rated lift capacity
-_GRAVITY_M_S2 = 9.81
-_STEP = 1e-4  # of the central difference [rad] or [m]
+_UP = np.array([0.0, 0.0, 1.0])
 _HANGS_M, _HANGS = 0.05, 0.3  # largest distance and tilt of the gripper at which it still counts
 _LOOKS = 40  # postures of a path whose capacities are compared
 _PULL = 0.01  # towards the carrying posture, which resolves redundant freedom
@@ -77,6 +77,7 @@ class LiftCapacity:
 
     def __init__(self, machine: Machine) -> None:
         self._machine, self._kinematics = machine, Kinematics(machine)
+        self._dynamics = Dynamics(machine)
         self._limits = np.array([joint.max_effort for joint in machine.joints])
         self._turn = machine.arm_names.index(machine.turn_joint)
         self._hanging: dict[float, Float | None] = {}
@@ -138,23 +139,14 @@ class LiftCapacity:
 
     def _hydraulic_kg(self, q: Float) -> float:
         """Solve |effort of the links + mass · effort of 1 kg| = limit for the least mass."""
-        steps = _STEP * np.eye(len(q))
-        rises = np.array([self._heights(q + s) - self._heights(q - s) for s in steps])
-        links, load = _GRAVITY_M_S2 * rises.T / (2 * _STEP)
+        still = np.zeros(len(q))
+        links, loaded = (
+            self._dynamics.efforts(q, still, still, _UP, load_kg) for load_kg in (0.0, 1.0)
+        )
+        load = loaded - links
         with np.errstate(divide="ignore", invalid="ignore"):
             most = (np.sign(load) * self._limits - links) / load
         return float(max(np.where(np.abs(load) > 1e-6, most, np.inf).min(), 0.0))
-
-    def _heights(self, q: Float) -> Float:
-        """Return Σ m·z of the links [kg·m], and the height of the load [m], shape (2,)."""
-        frames = self._kinematics.frames(q)
-        moment = sum(
-            link.mass_kg * transform(frames[name], np.array(link.com_m))[2]
-            for name, link in self._machine.links.items()
-        )
-        return np.array(
-            [moment, transform(frames["gripper"], self._machine.gripper.grasp_centre)[2]]
-        )
 
     def _hang(self, radius_m: float) -> Float | None:
         """Return a posture with the gripper hanging over the ground at a radius."""
