@@ -25,7 +25,8 @@ class ConditionBroken(Event):
     """A watched condition no longer holds.
 
     Attributes:
-        condition: A sensor, `estimate`, `tracking`, `joint_limits`, `effort` or `geofence`.
+        condition: A sensor, `estimate`, `tracking`, `joint_limits`, `effort`, `pressure` or
+            `geofence`.
         reason: What is wrong.
     """
 

@@ -32,7 +32,8 @@ class Robot(Plugin, ABC):
 
     capability = "robot"
 
-    # Kinds of the machine's sensors that the backend does not have: nobody waits for them.
+    # Kinds of the machine's sensors that the backend does not have, and `efforts` if its joint
+    # samples have none: nobody waits for them, or judges by them.
     lacks: frozenset[str] = frozenset()
 
     # Whether the machine lives by its own clock, whoever reads: the kit then reads at the times

@@ -59,7 +59,9 @@ class Guard(StreamGuard):
         antennas = AntennaCheck(machine, self._states, self._datum)
         self._gate = Gate(machine, antennas, is_ideal=self._robot.is_ideal)
         self._ages = Ages(machine, self._robot.lacks, clock.machine_s())
-        self._motion = MotionWatch(machine, self._T_map_base)
+        self._motion = MotionWatch(
+            machine, self._T_map_base, has_efforts="efforts" not in self._robot.lacks
+        )
         self._watch = Watch(machine, settings.watch or {}, record)
         imus = [sensor.age_limit_s for sensor in machine.sensors_of("imu")]
         self.age_limit_s = max(imus, default=float("inf"))

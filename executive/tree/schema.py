@@ -35,6 +35,7 @@ from executive.watch.rules import (
     ESTIMATE,
     GEOFENCE,
     JOINT_LIMITS,
+    PRESSURE,
     TRACKING,
     Do,
     EstimateRule,
@@ -166,7 +167,7 @@ class _Builder:
             TRACKING: TrackingRule,
         }
         known = {name: self._rule(rule) for name, rule in names.items()}
-        known |= {name: self._rule(Rule) for name in (JOINT_LIMITS, EFFORT)}
+        known |= {name: self._rule(Rule) for name in (JOINT_LIMITS, EFFORT, PRESSURE)}
         return {
             "type": "object",
             "properties": known,

@@ -1,4 +1,4 @@
-"""What is watched while the machine moves: tracking, joint limits, efforts, and the geofence."""
+"""What is watched while the machine moves: tracking, limits, efforts, pressure, the geofence."""
 
 from collections.abc import Callable, Mapping
 
@@ -9,7 +9,16 @@ from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.command import Command, Follow
 from executive.messages.joints import JointSample
-from executive.watch.rules import EFFORT, GEOFENCE, JOINT_LIMITS, TRACKING, GeofenceRule, Rule
+from executive.watch.pressure import DrivePressure
+from executive.watch.rules import (
+    EFFORT,
+    GEOFENCE,
+    JOINT_LIMITS,
+    PRESSURE,
+    TRACKING,
+    GeofenceRule,
+    Rule,
+)
 
 _LIMIT_MARGIN = 0.02  # [rad] or [m] beyond a range: an end stop yields, a servo overshoots
 _PATH_POINTS = 200  # of a path with which a stopped arm is compared
@@ -22,15 +31,19 @@ class MotionWatch:
     Args:
         machine: Limits and the declared tracking.
         T_map_base: Returns the pose of the chassis in the map, (4, 4); None while it is not known.
+        has_efforts: Whether the robot measures efforts.
     """
 
-    def __init__(self, machine: Machine, T_map_base: Callable[[], Float | None]) -> None:
+    def __init__(
+        self, machine: Machine, T_map_base: Callable[[], Float | None], *, has_efforts: bool = True
+    ) -> None:
         self._machine, self._T_map_base = machine, T_map_base
         self._kinematics = Kinematics(machine)
         self._follow: Follow | None = None
         self._began_s = 0.0
         self._is_followed = False
         self._path = np.zeros((0, 0))
+        self._pressure = DrivePressure(machine) if has_efforts else None
 
     def command(self, command: Command, now_s: float) -> None:
         """Take a command that the robot has accepted, at the machine's time [s]."""
@@ -50,6 +63,7 @@ class MotionWatch:
             TRACKING: self._tracking(sample) if TRACKING in rules else "",
             JOINT_LIMITS: self._limits(q) if JOINT_LIMITS in rules else "",
             EFFORT: self._effort(sample) if EFFORT in rules else "",
+            PRESSURE: self._lost_pressure(sample) if PRESSURE in rules else "",
         }
         fence = rules.get(GEOFENCE)
         if isinstance(fence, GeofenceRule):
@@ -89,6 +103,17 @@ class MotionWatch:
             if effort >= _FULL_EFFORT * joint.max_effort:
                 return f"{joint.name} needs its full effort"
         return ""
+
+    def _lost_pressure(self, sample: JointSample) -> str:
+        """Look at the drives' pressure while a path is followed and the tilt is known."""
+        if self._pressure is None:
+            return ""
+        T_map_base = self._T_map_base()
+        if self._follow is None or not self._is_followed or T_map_base is None:
+            self._pressure.forget()
+            return ""
+        since_s = sample.stamp_s - self._began_s
+        return self._pressure.lost(sample, self._follow, since_s, T_map_base[2, :3])
 
     def _fence(self, q: Float, rule: GeofenceRule) -> str:
         T_map_base = self._T_map_base()

@@ -8,11 +8,12 @@ from pydantic import Field, model_validator
 from executive.config import Meters, Radians, Seconds, Settings
 from executive.machine.machine import Machine
 
-ESTIMATE, TRACKING, JOINT_LIMITS, EFFORT, GEOFENCE = (
+ESTIMATE, TRACKING, JOINT_LIMITS, EFFORT, PRESSURE, GEOFENCE = (
     "estimate",
     "tracking",
     "joint_limits",
     "effort",
+    "pressure",
     "geofence",
 )
 
@@ -115,5 +116,5 @@ def conditions_of(machine: Machine) -> Mapping[str, type[Rule]]:
     A sensor's name or kind is the condition that its good samples keep coming.
     """
     kinds = (sensor.kind for sensor in machine.sensors.values())
-    motion = (JOINT_LIMITS, EFFORT)
+    motion = (JOINT_LIMITS, EFFORT, PRESSURE)
     return {**dict.fromkeys((*machine.sensors, *kinds, *motion), Rule), **_OWN}

@@ -48,7 +48,7 @@ class KinematicRobot(Robot):
     """Moves exactly as commanded; its base starts at the origin of the map, on level ground."""
 
     Settings = KinematicSettings
-    lacks = frozenset({"lidar"})
+    lacks = frozenset({"lidar", "efforts"})
 
     def __init__(
         self,

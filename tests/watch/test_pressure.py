@@ -1,0 +1,146 @@
+"""A drive without pressure is told where its motion needs an effort, and a sound one never."""
+
+import numpy as np
+import pytest
+
+from executive.geometry.rotation import about_axis
+from executive.machine.dynamics import Dynamics
+from executive.machine.machine import load_machine
+from executive.messages.command import Follow
+from executive.messages.joints import JointSample
+from executive.messages.trajectory import JointTrajectory
+from executive.watch.motion import MotionWatch
+from executive.watch.pressure import LOOKS
+from executive.watch.rules import Rule
+
+MACHINE = load_machine("m545")
+ARM = tuple(MACHINE.arm_names)
+START = MACHINE.posture("carry")
+TURN = ARM.index(MACHINE.turn_joint)
+DYNAMICS = Dynamics(MACHINE)
+NOISE = next(iter(MACHINE.sensors_of("encoders"))).effort_noise
+LIMITS = np.array([joint.max_effort for joint in MACHINE.joints])
+RULES = {"pressure": Rule(do="stop")}
+BEGAN_S, TICK_S, LASTS_S = 10.0, 0.05, 4.0
+LEVEL = np.eye(4)
+FASTER, EVEN = 0.2, 0.4  # [rad/s²], and [rad/s]
+
+
+def swing(acceleration, speed=0.0):
+    """Return a swing at a constant acceleration."""
+    times = np.linspace(0.0, LASTS_S, 41)[:, None]
+    turns = np.arange(len(ARM)) == TURN
+    position = START + turns * (speed * times + acceleration * times**2 / 2)
+    return JointTrajectory(ARM, times[:, 0], position, turns * (speed + acceleration * times))
+
+
+def sample(stamp_s, path, lost=(), load_kg=0.0, up=LEVEL[2, :3], acceleration=FASTER, noise=0.0):
+    """Return what a machine measures that is on its path; lost drives have no effort."""
+    q, dq = path.at(stamp_s - BEGAN_S)
+    ddq = acceleration * (np.arange(len(ARM)) == TURN)
+    efforts = DYNAMICS.efforts(q, dq, ddq, up, load_kg)
+    efforts[[ARM.index(name) for name in lost]] = 0.0
+    efforts = efforts + noise * NOISE * LIMITS
+    joints = [*zip(q, dq, efforts, strict=True), (0.5, 0.0, 0.0)]
+    return JointSample(stamp_s, MACHINE.joint_names, *np.array(joints).T)
+
+
+class Watched:
+    """A swing, and what is told of it at each tick."""
+
+    def __init__(self, path, T_map_base=LEVEL, **settings):
+        self.path, self.stamp_s = path, BEGAN_S
+        self.watch = MotionWatch(MACHINE, lambda: T_map_base, **settings)
+        self.watch.command(Follow(path), BEGAN_S)
+
+    def ticks(self, count, **measured):
+        told = []
+        for _ in range(count):
+            self.stamp_s += TICK_S
+            one = sample(self.stamp_s, self.path, **measured)
+            told.append(self.watch.troubles(one, RULES).get("pressure", ""))
+        return told
+
+    def all(self, **measured):
+        return self.ticks(int(LASTS_S / TICK_S), **measured)
+
+
+@pytest.mark.parametrize("load_kg", [0.0, 1500.0, MACHINE.payload_kg])
+@pytest.mark.parametrize("noise", [-3.0, 0.0, 3.0])
+def test_a_sound_drive_is_never_told_whatever_the_jaws_carry(load_kg, noise):
+    assert not any(Watched(swing(FASTER)).all(load_kg=load_kg, noise=noise))
+
+
+@pytest.mark.parametrize("name", ["J_TURN", "J_BOOM", "J_DIPPER", "J_TELE"])
+@pytest.mark.parametrize("noise", [-2.9, 2.9])
+def test_a_drive_without_effort_is_told_after_three_looks(name, noise):
+    one = Watched(swing(FASTER))
+    assert not any(one.ticks(20))
+    *first, last = one.ticks(LOOKS, lost=(name,), noise=noise)
+    assert not any(first)
+    assert last.startswith(f"{name} has no effort where its motion needs ")
+    assert last.endswith("N" if name == "J_TELE" else "N·m")
+    assert one.ticks(1) == [""]  # pressure is back
+
+
+def test_the_told_effort_is_the_least_that_the_motion_needs():
+    one = Watched(swing(FASTER))
+    told = one.ticks(20, lost=("J_TURN",))[-1]
+    needed = DYNAMICS.efforts(START, 0 * START, FASTER * (np.arange(7) == TURN), LEVEL[2, :3], 0)
+    assert float(told.split()[-2]) == pytest.approx(needed[TURN], rel=1e-2)
+
+
+def test_an_effort_that_passes_zero_is_none_of_its_signs():
+    one = Watched(swing(FASTER))
+    one.ticks(20)
+    for _ in range(5):
+        assert not any(one.ticks(LOOKS - 1, lost=("J_TURN",)))
+        assert not any(one.ticks(1))
+
+
+def test_the_same_sample_counts_once():
+    one = Watched(swing(FASTER))
+    one.ticks(20)
+    again = sample(one.stamp_s + TICK_S, one.path, lost=("J_TURN",))
+    assert not any(one.watch.troubles(again, RULES) for _ in range(2 * LOOKS))
+
+
+def test_an_even_swing_is_judged_where_the_machine_leans_and_not_on_level_ground():
+    even = swing(0.0, EVEN)
+    lost = {"lost": ("J_TURN",), "acceleration": 0.0}
+    assert not any(Watched(even).all(**lost))
+    leaning = LEVEL.copy()
+    leaning[:3, :3] = about_axis(np.array([1.0, 0.0, 0.0]), 0.2)
+    told = Watched(even, leaning).all(up=leaning[2, :3], **lost)
+    assert any(one.startswith("J_TURN has no effort") for one in told)
+    sound = Watched(even, leaning).all(up=leaning[2, :3], acceleration=0.0)
+    assert not any(sound)
+
+
+def test_without_a_path_a_tilt_or_measured_efforts_nothing_is_judged():
+    lost = {"lost": ARM}
+    assert any(Watched(swing(FASTER)).all(**lost))
+    assert not any(Watched(swing(FASTER), T_map_base=None).all(**lost))
+    assert not any(Watched(swing(FASTER), has_efforts=False).all(**lost))
+    stopped = Watched(swing(FASTER))
+    stopped.watch.stopped()
+    assert not any(stopped.all(**lost))
+    over = Watched(swing(FASTER))
+    over.stamp_s = BEGAN_S + LASTS_S
+    assert not any(over.ticks(20, **lost))
+    rule = Watched(swing(FASTER))
+    rule.ticks(20)
+    unasked = [sample(rule.stamp_s + k * TICK_S, rule.path, **lost) for k in range(1, 9)]
+    assert not any(rule.watch.troubles(one, {"effort": Rule(do="tell")}) for one in unasked)
+
+
+def test_until_the_drives_lag_has_passed_and_after_a_break_it_begins_anew():
+    lag_s = MACHINE.stance.tracking_lag_s
+    one = Watched(swing(FASTER))
+    told = one.ticks(20, lost=("J_BOOM",))
+    first = next(i for i, text in enumerate(told) if text)
+    assert (first + 1 - (LOOKS - 1)) * TICK_S == pytest.approx(lag_s, abs=TICK_S)
+    one.watch.stopped()
+    assert not any(one.ticks(5, lost=("J_BOOM",)))
+    one.watch.command(Follow(one.path), BEGAN_S)
+    assert one.ticks(LOOKS, lost=("J_BOOM",))[:-1] == [""] * (LOOKS - 1)
