@@ -76,7 +76,7 @@ def _piece(path: BasePath, along_m: float) -> tuple[int, int]:
     """Return the samples of one direction about a length: the first, and one after the last."""
     i = int(np.searchsorted(path.along_m, along_m, side="right")) - 1
     turns = np.flatnonzero(np.diff(path.direction)) + 1
-    k = int(np.searchsorted(turns, max(i, 0), side="right"))
+    k = int(np.searchsorted(turns, i, side="right"))
     ends = [0, *turns.tolist(), len(path.along_m)]
     return ends[k], ends[k + 1]
 
