@@ -36,6 +36,7 @@ def associated(diagonal_m: float, distance_m: float) -> bool:
         (0.4, 1.2, False),  # a pebble beyond it is not the stone that fell
         (1.2, 1.2, True),  # a stone of about its size is
         (3.9, 0.1, True),
+        (4.0, 0.0, True),  # the largest ratio itself
         (4.1, 0.1, False),  # two merged stones are not one stone that has grown
         (2.0, 4.9, True),
         (2.0, 5.1, False),  # beyond the reach of the search
@@ -131,3 +132,15 @@ def test_only_a_stone_that_was_released_last_may_have_fallen_on_the_way(
         for x_m, kind in enumerate(kinds)
     ]
     assert carried_m(history) == carried
+
+
+@pytest.mark.parametrize(("sizes_away", "expected"), [(9.5, [-1, 0]), (10.4, [0, -1])])
+def test_a_segment_of_one_point_is_a_thousandth_of_any_stone(
+    sizes_away: float, expected: list[int]
+) -> None:
+    """With a largest ratio of 2, that costs as much as a way of ln 1000 / ln 2 = 9.97 sizes."""
+    stone = Stone(1, StoneState.LOST, LARGE_M * CUBE, np.zeros(3), np.eye(4), True)
+    point = Segment(0, np.zeros((1, 3)), np.zeros(3), np.zeros(3))
+    seen = [point, at(LARGE_M, sizes_away * LARGE_M)]
+    rolled = [Reach(50.0, may_have_rolled=True)]
+    assert associate(seen, [stone], rolled, MAX_RATIO) == expected

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from executive_plugins.objects.database_file import open_file, transaction
 
-from executive.errors import ConfigError
+from executive.errors import ConfigError, DataError
 
 
 def _write_half(connection: sqlite3.Connection) -> None:
@@ -35,6 +35,20 @@ def test_a_finished_change_is_on_the_disk_and_readers_do_not_wait(
     (journal,) = connection.execute("PRAGMA journal_mode").fetchone()
     (synchronous,) = connection.execute("PRAGMA synchronous").fetchone()
     assert (journal, synchronous) == ("wal", 2)  # 2 is FULL
+
+
+def test_a_file_says_that_it_is_of_the_second_format(connection: sqlite3.Connection) -> None:
+    """Files of before would not be read by a program that calls it otherwise."""
+    assert connection.execute("PRAGMA user_version").fetchone()[0] == 2
+
+
+def test_a_file_of_another_kind_is_refused_with_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "objects.db"
+    path.write_bytes(b"a letter, and no database at all: " * 40)
+    with pytest.raises(DataError, match=r"objects\.db is not an object database"):
+        open_file(str(path), read_only=True)
+    with pytest.raises(ConfigError, match="no object database"):
+        open_file(str(tmp_path / "none.db"), read_only=True)
 
 
 def test_rows_are_read_by_name(connection: sqlite3.Connection) -> None:

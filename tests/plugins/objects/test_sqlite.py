@@ -311,3 +311,23 @@ def test_a_database_that_is_open_is_not_opened_again(
     objects.close()
     objects.open(other)
     assert Path(other).exists()
+
+
+def test_a_stone_that_there_is_not_has_no_history(objects: SqliteObjects) -> None:
+    objects.observe([segment(box((3, 0, 0)))], 1.0, False)
+    assert [event.kind for event in objects.history(1)] == ["found"]
+    with pytest.raises(DataError, match="2"):
+        objects.history(2)
+
+
+def test_a_database_that_is_closed_is_closed_for_whoever_still_holds_it(path: str) -> None:
+    database = SqliteObjects(SqliteObjectsSettings())
+    database.open(path)
+    held = database._connection()
+    database.close()
+    with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+        held.execute("SELECT 1")
+    database.open(path)  # it may be opened again
+    assert database.stones() == ()
+    database.close()
+    database.close()
