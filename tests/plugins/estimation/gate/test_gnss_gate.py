@@ -230,3 +230,22 @@ def test_the_newest_agreeing_fixes_are_handed_over() -> None:
     recovered(gate, 20)
     assert [c.fix.stamp_s for c in gate.agreed(0.0)] == pytest.approx([3.0, 3.2, 3.4, 3.6, 3.8])
     assert [c.fix.stamp_s for c in gate.agreed(3.5)] == pytest.approx([3.6, 3.8])
+
+
+@pytest.mark.parametrize("has_odometry", [False, True])
+def test_fixes_that_drift_against_the_odometry_do_not_recover(has_odometry: bool) -> None:
+    """Neighbours agree within the jump, and at 2 m/s they are 1.6 m apart in 0.8 s."""
+    gate = GnssGate(GnssGateSettings())
+    gate.begin_recovery()
+    settings = GnssGateSettings()
+    stamps_s = np.arange(0.0, 2.0, 0.05)
+    in_line = [
+        gate.is_in_line(exact(t, (2.0 * t, 0, 0), odometry=has_odometry, speed=np.zeros(3)))
+        for t in stamps_s
+    ]
+    assert all(in_line) is not has_odometry
+    refused_s = stamps_s[np.flatnonzero(np.logical_not(in_line))]
+    if has_odometry:
+        assert refused_s[0] == pytest.approx(0.9 * settings.recover_after_s, abs=0.051)
+        # The count begins anew with the fix that was refused.
+        assert refused_s[1] - refused_s[0] == pytest.approx(refused_s[0], abs=0.051)

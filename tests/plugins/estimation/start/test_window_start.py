@@ -9,8 +9,9 @@ import pytest
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial
+from executive_plugins.estimation.start import window_start
 from executive_plugins.estimation.start.settings import WindowStartSettings
-from executive_plugins.estimation.start.window_start import WindowStart
+from executive_plugins.estimation.start.window_start import WindowStart, _Trial
 
 NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81, 0.01)
 UP = np.array([0.0, 0.0, 9.81])
@@ -128,3 +129,62 @@ def test_fixes_that_no_motion_explains_are_told() -> None:
     one = window()
     assert one._judged([], [], []) is None
     assert one.waits_for == "fixes that fit the inertial samples"
+
+
+def test_an_attempt_without_solutions_costs_more_than_any_other() -> None:
+    none = _Trial(0.0, [], SimpleNamespace(), [], [])
+    assert (none.cost, none.scatter) == (np.inf, 1.0)
+    some = [SimpleNamespace(cost=cost, fix_scale=scale) for cost, scale in ((4.0, 2.0), (3.0, 5.0))]
+    found = _Trial(0.0, [], SimpleNamespace(), some, some)
+    assert (found.cost, found.scatter) == (3.0, 5.0)
+
+
+@pytest.mark.parametrize(("fixes", "is_solved"), [(1, False), (2, True)])
+def test_a_window_is_solved_from_two_times_of_fixes_on(fixes: int, is_solved: bool) -> None:
+    one = window()
+    feed(one, 0.0, 2.0)
+    for k in range(fixes):
+        for name, arm in (("left", [0.0, 1.0, 0.0]), ("right", [0.0, -1.0, 0.0])):
+            place = np.array(arm)
+            one.add_fix(Fix(0.5 + k, name, place, place, 1e-4 * np.eye(3)))
+    steps = one._solved_at(0.0)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            solved = end.value
+            break
+    assert (solved is not None) is is_solved
+    if is_solved:
+        assert len(solved.solutions) == len(solved.hypotheses) > 0
+        assert solved.cost == pytest.approx(0.0, abs=1e-3)  # antennas at rest, where they are
+
+
+@pytest.mark.parametrize(
+    ("scale", "moved_s", "clock_std_s", "again"),
+    [
+        (1.5, 0.0, 0.0, False),
+        (1.7, 0.0, 0.0, True),  # fixes scatter more than 1.6 times what was assumed
+        (1.0, 0.5, 0.1, True),  # the clock has moved by more than a line through the fixes
+        (1.0, 0.0, 0.1, False),
+        (1.0, 0.5, 0.0, False),  # clocks that agree do not move
+    ],
+)
+def test_a_problem_with_another_clock_or_accuracy_is_solved_again(
+    monkeypatch: pytest.MonkeyPatch, scale: float, moved_s: float, clock_std_s: float, again: bool
+) -> None:
+    state = SimpleNamespace(gyro_bias=np.full(3, 0.01))
+    found = SimpleNamespace(
+        state=state, fix_scale=scale, has_heading=True, clock=SimpleNamespace(offset_s=moved_s)
+    )
+    monkeypatch.setattr(window_start, "most_likely", lambda *given: (found, 1, 0.1))
+    one = window(clock_std_s)
+    one._tried_s, one._next_span_s = 3.0, 2.0
+    nodes = [(0.0, [Fix(0.0, "left", Z, Z, 1e-4 * np.eye(3))])]
+    answer = one._judged([found], [], nodes)
+    assert (answer is None) is again
+    assert one.waits_for == ("the receiver's clock and accuracy" if again else "")
+    assert (one._tried_s, one._next_span_s) == ((-np.inf, 0.0) if again else (3.0, 2.0))
+    assert one._late_s == moved_s
+    # The second time the same answer is what was assumed.
+    assert one._judged([found], [], nodes) is found
