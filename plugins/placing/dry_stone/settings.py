@@ -100,6 +100,11 @@ class CheckSettings(Settings):
     ))  # fmt: skip
     step_s: float = Field(0.005, gt=0, le=0.02, description="Time step of the physics [s].")
     pieces: int = Field(10, ge=1, le=100, description="Convex pieces of each stone.")
+    other_pieces: int = Field(30, ge=0, le=100, description=(
+        "Convex pieces of each stone in a second model of its shape, in which a stone that has "
+        "settled must stay; 0 leaves this out."))  # fmt: skip
+    reseated: Meters = Field(0.01, gt=0, le=0.5, description=(
+        "Largest distance by which it may move there [m]: what a wall may drift."))  # fmt: skip
     tries: int = Field(24, ge=1, description="Places of each lot of stones that are checked.")
 
 

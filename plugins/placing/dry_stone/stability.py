@@ -6,6 +6,7 @@ import numpy as np
 from executive_plugins.physics.equilibrium import largest_load
 from executive_plugins.physics.stone_world import WorldRules
 from executive_plugins.physics.trial import Bounds, Outcome, Trial, apart, rest_of
+from executive_plugins.placing.dry_stone.other_shapes import OtherShapes
 from executive_plugins.placing.dry_stone.parts import Place, Stability
 from executive_plugins.placing.dry_stone.releases import releases
 from executive_plugins.placing.dry_stone.settings import CheckSettings
@@ -56,8 +57,7 @@ class TrialsOfStructure:
             self._built, self._rest = built, rest_of(built, self._rules)
             self._boxes = _boxes(built, self._rest)
             self._trials.clear()
-        box = _box(StandingStone(place.stone, place.T_map_stone))
-        is_near = _within(box[None], self._boxes, _FAR_M)
+        is_near = self._near(StandingStone(place.stone, place.T_map_stone), _FAR_M)
         is_there = is_near | _within(self._boxes[is_near], self._boxes, _TOUCH_M)
         key = place.stone, np.stack([is_near, is_there]).tobytes()
         if key not in self._trials:
@@ -66,6 +66,21 @@ class TrialsOfStructure:
             rest, fixed = [self._rest[n] for n in there], [not is_near[n] for n in there]
             self._trials[key] = Trial(part, place.stone, self._rules, rest, fixed)
         return self._trials[key]
+
+    def in_other_shapes(
+        self, built: AsBuilt, stone: SolidStone, settled: Outcome, settings: CheckSettings
+    ) -> OtherShapes:
+        """Return a settled stone and those that it may touch under noise, in their second shapes.
+
+        `of` comes first: it finds where the structure rests.
+        """
+        place = StandingStone(stone, settled.T_map_settled)
+        near = np.flatnonzero(self._near(place, settings.worst + _TOUCH_M)).tolist()
+        part = built.with_standing(*(built.standing[n] for n in near))
+        return OtherShapes(part, [self._rest[n] for n in near], stone, settings)
+
+    def _near(self, one: StandingStone, distance_m: float) -> Bool:
+        return _within(_box(one)[None], self._boxes, distance_m)
 
 
 def _boxes(built: AsBuilt, rest: Sequence[Float]) -> Float:
@@ -115,28 +130,36 @@ class Checks:
                 refusal = "bears_no_load"
         if refusal or not self._has_settling:
             return Stability(refusal, nominal.T_map_settled, *self._apart(nominal), terms)
-        return self._under_noise(trial, nominal, rng, may_go_on, terms)
+        others = self._trials.in_other_shapes(built, place.stone, nominal, self._settings)
+        return self._under_noise((trial, others), nominal.T_map_settled, rng, may_go_on, terms)
 
     def _under_noise(
         self,
-        trial: Trial,
-        nominal: Outcome,
+        worlds: tuple[Trial, OtherShapes],
+        T: Float,
         rng: np.random.Generator,
         may_go_on: MayGoOn,
         terms: dict[str, float],
     ) -> Stability:
-        s, worst_m, worst_rad = self._settings, 0.0, 0.0
-        T = nominal.T_map_settled
+        s, (trial, others), worst_m, worst_rad = self._settings, worlds, 0.0, 0.0
+        terms["reseats_m"] = others.moves(T)
+        refusal = "reseats" if terms["reseats_m"] > s.reseated else ""
         # The stone is let go where it is expected to rest: from there noise leads least far.
-        for start in releases(T, s.samples, s.noise, s.tilt_noise, rng):
+        for start in [] if refusal else releases(T, s.samples, s.noise, s.tilt_noise, rng):
             if not may_go_on():
                 return Stability("out_of_time", T, worst_m, worst_rad, terms)
             tried = trial.release(start, _RELEASE_M, Bounds(T, s.worst, s.worst_tilt))
             far_m, far_rad = apart(T, tried.T_map_settled)
             worst_m, worst_rad = max(worst_m, far_m), max(worst_rad, far_rad)
-            if refusal := self._refusal(tried, T, s.worst, s.worst_tilt):
-                return Stability(f"{refusal}_under_noise", T, worst_m, worst_rad, terms)
-        return Stability("", T, worst_m, worst_rad, terms)
+            refusal = self._refusal(tried, T, s.worst, s.worst_tilt)
+            if not refusal:
+                moved_m = others.moves(tried.T_map_settled)
+                terms["reseats_m"] = max(terms["reseats_m"], moved_m)
+                refusal = "reseats" if moved_m > s.reseated else ""
+            if refusal:
+                refusal = f"{refusal}_under_noise"
+                break
+        return Stability(refusal, T, worst_m, worst_rad, terms)
 
     def _refusal(self, found: Outcome, T: Float, far_m: float, far_rad: float) -> str:
         distance_m, angle_rad = apart(T, found.T_map_settled)
