@@ -44,3 +44,8 @@ def test_a_motion_with_enough_oil_is_left_alone() -> None:
 def test_a_machine_without_hydraulics_refuses_the_limit() -> None:
     told = list(HermiteSettings(oil_flow="limited").refusals(load_machine("mini")))
     assert "mini has no hydraulics" in str(told)
+
+
+def test_a_machine_without_hydraulics_has_no_limit_of_flow() -> None:
+    fast = motion(1.0)
+    assert within_flow(fast, M545.model_copy(update={"hydraulics": None})) is fast

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from executive_plugins.robot.base_driver import BaseDriver
+from executive_plugins.robot.base_driver import BaseDriver, travel_error
 
 from executive.errors import RobotError
 from executive.machine.machine import load_machine
@@ -91,3 +91,19 @@ def test_a_machine_without_wheels_refuses(machine):
     fixed = BaseDriver(machine.model_copy(update={"driving": None}))
     with pytest.raises(RobotError, match="does not drive"):
         fixed.command(Drive(0.1, 0.0), machine.posture("scan"), arm_moves=False)
+
+
+def test_only_a_machine_that_drives_has_a_posture_for_it(machine):
+    away = machine.posture("scan")
+    away[1] -= 2 * START_TOLERANCE
+    assert travel_error(machine, machine.posture("scan")) == ""
+    assert machine.arm_names[1] in travel_error(machine, away)
+    assert travel_error(machine.model_copy(update={"driving": None}), away) == ""
+
+
+def test_a_joint_that_turns_on_and_on_may_be_whole_turns_away(machine):
+    turned = machine.posture("scan")
+    turned[machine.arm_names.index(machine.turn_joint)] += 4 * np.pi
+    assert travel_error(machine, turned) == ""
+    turned[machine.arm_names.index(machine.turn_joint)] += np.pi
+    assert "3.14" in travel_error(machine, turned)

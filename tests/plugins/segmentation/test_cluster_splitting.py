@@ -119,3 +119,9 @@ def test_a_summit_of_its_own_has_a_quarter_of_the_least_stone(side: int, expecte
     rows = np.array([*block, *valley, *other], dtype=float)
     places = np.vstack([np.zeros(2), (rows[:, :2] + 0.5) * cell_m])  # cells begin at the first
     assert PARTING.count_tops(places, np.r_[0.5, rows[:, 2]]) == expected
+
+
+@pytest.mark.parametrize(("places", "count"), [([0.0], 1), ([0.0, 1.0], 2)])
+def test_as_many_tops_are_counted_as_there_are_parts(places: list[float], count: int) -> None:
+    points = thinned(np.vstack([sphere(x, 0.5) for x in places]), 0.03)
+    assert PARTING.count_tops(points[:, :2], points[:, 2]) == count

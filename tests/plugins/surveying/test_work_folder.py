@@ -67,3 +67,16 @@ def test_without_a_folder_nothing_stays() -> None:
     with work_folder(None, "one") as work:
         work.array("a", lambda: np.ones(3))
     assert not work.path.exists()
+
+
+def test_what_is_finished_is_there_and_what_was_cut_off_is_not(tmp_path: Path) -> None:
+    def cut(part: Path) -> None:
+        raise KeyboardInterrupt
+
+    with work_folder(tmp_path / "work", "one") as work:
+        assert not work.has("model")
+        with pytest.raises(KeyboardInterrupt):
+            work.folder("model", cut)
+        assert not work.has("model")
+        work.folder("model", lambda part: (part / "points").write_text("7"))
+        assert work.has("model")

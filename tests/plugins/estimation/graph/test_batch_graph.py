@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.factors import fix_factor
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph
+from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph, _smoothed
 from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
 from executive_plugins.estimation.graph.window import GraphWindow
@@ -112,6 +112,20 @@ def test_measurements_half_a_millisecond_apart_share_a_node(apart_s: float, node
     fixes = [Fix(s, "gnss", z, z, 1e-4 * np.eye(3)) for s in (0.3, 0.3 + apart_s)]
     graph = WholeGraph(Recording((rest, COVARIANCE), samples, fixes), SmootherSettings(), NOISE)
     assert len(graph.solve()) == nodes
+
+
+def test_a_recording_without_fixes_or_samples_has_no_trajectory(recording) -> None:
+    """Nothing ties it to the map, or there is only where it began."""
+    lost = WholeGraph(Recording(recording.first, recording.samples), SmootherSettings(), NOISE)
+    assert len(lost) > 1
+    assert list(_smoothed(lost)) == []
+    short = Recording(recording.first, [], recording.measurements)
+    assert list(_smoothed(WholeGraph(short, SmootherSettings(), NOISE))) == []
+    whole = list(_smoothed(WholeGraph(recording, SmootherSettings(), NOISE)))
+    stamps_s = [state.stamp_s for state, _ in whole]
+    assert stamps_s == pytest.approx([k / 100 for k in range(201)])
+    for _, covariance in whole:
+        assert (np.linalg.eigvalsh(covariance) > -1e-12).all()
 
 
 def test_an_outage_is_bridged_from_both_ends(cabin) -> None:

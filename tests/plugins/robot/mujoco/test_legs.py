@@ -193,3 +193,19 @@ def test_each_foot_stands_at_its_point_of_support_as_wide_as_a_tyre_and_digs_int
         speed = 2 * LegSettings().damping_ratio
         speed *= np.sqrt(LegSettings().stiffness_n_m * total_kg / len(machine.stance.supports_m))
         assert model.dof_damping[model.joint(name).dofadr[0]] == pytest.approx(speed)
+
+
+def test_legs_that_bear_nothing_have_no_margin_and_others_that_of_their_resultant() -> None:
+    """Of all load on one foot, the resultant is on the rim of the area of support."""
+    machine = load_machine("m545")
+    world = on_legs(machine)
+    legs, model = world.legs, world.model
+    spring = [model.joint(name).qposadr[0] for name in legs_names(machine)]
+    world.data.qpos[spring] = model.qpos_spring[spring] - 0.01
+    assert legs.loads_n().tolist() == [0.0] * len(spring)
+    assert legs.margin_m() == 0.0
+    world.data.qpos[spring] = model.qpos_spring[spring] + 0.01
+    assert legs.loads_n().min() > 0.0
+    assert legs.margin_m() > 0.5
+    world.data.qpos[spring[1:]] = model.qpos_spring[spring[1:]] - 0.01
+    assert legs.margin_m() == pytest.approx(0.0, abs=1e-9)
