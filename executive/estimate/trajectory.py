@@ -76,7 +76,7 @@ def read_trajectory(path: Path, topic: str | None) -> Trajectory:
     rows = rows[np.diff(rows[:, 0], prepend=-np.inf) > 0]
     if len(rows) < 2:
         raise DataError(f"{path}: {len(rows)} poses; a reference needs two at least")
-    return Trajectory(rows[:, 0], rows[:, 1:4], Rotation.from_quat(rows[:, 4:8]).as_matrix())
+    return Trajectory(rows[:, 0], rows[:, 1:4], Rotation.from_quat(rows[:, 4:]).as_matrix())
 
 
 def _from_tum(path: Path) -> Float:

@@ -282,6 +282,31 @@ def test_a_metric_is_what_its_definition_says(name: str) -> None:
         assert found == wanted
 
 
+# Of more of these is more better; of the others less.
+GOOD = {
+    "as_named", "built_as_planned", "drops_found", "faults_noticed", "first_attempt", "held",
+    "lifted", "placed", "real_time_factor", "realigned", "registered", "registrations",
+    "stones_built", "stones_known", "structure_ended", "success",
+}  # fmt: skip
+COUNTED = {"attempts", "collisions", "drops_missed", "ghosts", "plugin_failures", "slips",
+          "stones_built", "cpu_per_simulated_second", "real_time_factor"}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", registry.names(METRICS))
+def test_a_metric_says_which_way_is_better_and_in_which_unit(name: str) -> None:
+    found = registry.load(METRICS, name)()
+    assert found.is_more_better is (name in GOOD)
+    ends = {"_m": "m", "_rad": "rad", "_time": "s", "_p95": "s", "_memory": "byte"}
+    unit = next((unit for end, unit in ends.items() if name.endswith(end)), "m")
+    assert found.unit == ("" if found.is_share or name in COUNTED else unit)
+    assert found.title
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_a_metric_that_is_a_share_measures_shares(name: str) -> None:
+    assert registry.load(METRICS, name)().is_share is isinstance(EXPECTED[name], Share)
+
+
 @pytest.mark.parametrize("name", EXPECTED)
 def test_a_run_that_holds_nothing_to_measure_has_no_value(name: str) -> None:
     assert measured(name, BARE, ()) == NOTHING.get(name)
