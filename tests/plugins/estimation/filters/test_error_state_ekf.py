@@ -7,6 +7,7 @@ from executive_plugins.estimation.filters.error_state_ekf import ErrorStateEkf
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, retract
+from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import exp_so3, from_rpy, log_so3
@@ -56,8 +57,8 @@ def test_lidar_bounds_the_drift_in_an_outage(cabin, machine):
     assert with_lidar < 0.7 * outage_error(cabin, machine, with_lidar=False)
 
 
-@pytest.fixture
-def kalman():
+def cloned(clock=None):
+    """Return a filter that has moved for a tenth of a second since it was cloned."""
     rng = np.random.default_rng(2)
     A = rng.normal(0, 0.05, (15, 15))
     state = InertialState(
@@ -68,13 +69,41 @@ def kalman():
         np.zeros(3),
         np.zeros(3),
     )
-    kalman = CloningFilter(state, A @ A.T + 1e-4 * np.eye(15), NOISE)
+    given = () if clock is None else (clock,)
+    kalman = CloningFilter(state, A @ A.T + 1e-4 * np.eye(15), NOISE, *given)
     kalman.clone()
     for k in range(1, 11):
         kalman.predict(
             Inertial(k / 100, np.array([0.3, -0.1, 0.5]), np.array([0.4, 0.1, 9.9]), 0.01)
         )
     return kalman
+
+
+@pytest.fixture
+def kalman():
+    return cloned()
+
+
+def moved(kalman):
+    """Return the motion since the clone that the filter predicts, shape (4, 4)."""
+    R = kalman._R.T
+    return pose(R @ kalman.state.R_map_imu, R @ (kalman.state.p_map_imu - kalman._p))
+
+
+def test_with_a_clock_the_clone_comes_after_it_and_the_clock_tells_nothing_of_the_motion():
+    plain, kalman = cloned(), cloned(ClockOffset(0.0, 0.05, np.full(15, 1e-4)))
+    assert kalman.has_clone_at(0.0)
+    T = moved(kalman)
+    noise = 1e-4 * np.eye(6)
+    told, expected = kalman.increment(T, noise), plain.increment(T, noise)
+    assert told.H.shape == (6, 22)
+    np.testing.assert_array_equal(told.H[:, 15], 0.0)
+    np.testing.assert_allclose(np.delete(told.H, 15, axis=1), expected.H, atol=1e-12)
+    np.testing.assert_allclose(told.residual, expected.residual, atol=1e-12)
+    np.testing.assert_allclose(told.predicted, expected.predicted, atol=1e-12)
+    off = T @ pose(exp_so3(np.array([0.002, 0, -0.001])), np.array([0.003, -0.002, 0.001]))
+    assert kalman.correct_by_increment(kalman.increment(off, 1e-12 * np.eye(6)), 1e9)
+    np.testing.assert_allclose(moved(kalman), off, atol=1e-4)
 
 
 def test_the_derivative_by_both_errors_is_that_of_finite_differences(kalman):

@@ -247,3 +247,22 @@ def test_a_fix_that_disagrees_with_those_before_it_ends_the_recovery() -> None:
     rest.until(3.6, off_m=8.0, has_lidar=True)
     assert rest.modes()[-1] == (Mode.FALLBACK, "left disagrees with those before it")
     assert rest.refused()["left: during recovery"] == 3
+
+
+@pytest.mark.parametrize(
+    ("after_s", "modes"),
+    [
+        (0.5, []),  # not longer than it may be silent
+        (0.50390625, [Mode.SUSPECT]),
+        (1.0, [Mode.SUSPECT]),
+        (1.00390625, [Mode.SUSPECT, Mode.FALLBACK]),
+    ],
+)
+def test_silence_is_told_once_it_is_longer_than_allowed(after_s: float, modes: list[Mode]) -> None:
+    """Times are multiples of 2⁻⁸ s, which numbers of the computer hold exactly."""
+    rest = AtRest(suspect_after_s=0.5, fallback_after_s=1.0)
+    smoother = rest.smoother
+    smoother._used_fix_s = 2.0
+    for now_s in (2.25, min(2.0 + after_s, 2.75), 2.0 + after_s):
+        smoother._watch_silence(now_s)
+    assert [change.after for change in smoother._modes.changes] == modes
