@@ -104,7 +104,7 @@ class CallNode(Controller):
     ) -> None:
         super().__init__(name, path, runtime, [root])
         self._call = call
-        self._is_entered = False
+        self._is_entered: bool  # set by `begin`
 
     @property
     def tree(self) -> str:

@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from executive.errors import DataError
-from executive.estimate.material import Material, _first_fix
+from executive.estimate import material as material_of_a_log
+from executive.estimate.material import Material, _first_fix, _odometry, _without_scans
+from executive.interfaces.odometry import LidarOdometry
 from executive.logs.log import Arrival
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
+from executive.messages.joints import JointSample
+from executive.messages.lidar import LidarScan
+from executive.messages.odometry import LidarIncrement
+from executive.tree.choices import Choices
 
 RIG = SimpleNamespace(name="car", sensors={"gnss_left": None, "gnss_right": None})
 
@@ -60,3 +66,66 @@ def test_a_body_has_its_inertial_sensors_in_order_of_their_first_sample_and_the_
     assert tuple(body.imus) == ("b", "a")
     assert body.datum == (47.0, 8.0, 400.0)
     assert not body.is_described
+
+
+class Odometry(LidarOdometry):
+    """Makes an increment of every second scan, and keeps what it is given."""
+
+    def __init__(self) -> None:
+        self.taken: list[tuple[str, float]] = []
+        self.is_closed = False
+
+    def add_imu(self, sample: ImuSample) -> None:
+        self.taken.append(("imu", sample.stamp_s))
+
+    def add_joints(self, sample: JointSample) -> None:
+        self.taken.append(("joints", sample.stamp_s))
+
+    def add_scan(self, scan: LidarScan) -> LidarIncrement | None:
+        self.taken.append(("scan", scan.stamp_s))
+        scans = sum(kind == "scan" for kind, _ in self.taken)
+        increment = LidarIncrement(0.0, scan.stamp_s, "lidar", np.eye(4), np.eye(6))
+        return None if scans % 2 else increment
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def arrivals_of_a_lidar() -> list[Arrival]:
+    joints = JointSample(0.2, ("J",), np.zeros(1), np.zeros(1), np.zeros(1))
+    scans = [LidarScan(t, "lidar", np.ones((1, 3)), np.array([t])) for t in (0.3, 0.6)]
+    return [
+        sample(0.1, "imu"),
+        Arrival(0.25, joints),
+        Arrival(0.35, scans[0]),
+        fix(0.4),
+        Arrival(0.65, scans[1]),
+    ]
+
+
+def test_an_odometry_is_given_all_that_it_takes_and_its_increments_stand_for_the_scans(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    odometry = Odometry()
+    monkeypatch.setattr(material_of_a_log, "_odometry", lambda plugins, rig: odometry)
+    arrivals = arrivals_of_a_lidar()
+    found = list(_without_scans(arrivals, Choices(()), RIG))  # type: ignore[arg-type]
+    assert odometry.taken == [("imu", 0.1), ("joints", 0.2), ("scan", 0.3), ("scan", 0.6)]
+    assert odometry.is_closed
+    assert found[:3] == [arrivals[0], arrivals[1], arrivals[3]]
+    (last,) = found[3:]
+    assert isinstance(last.observation, LidarIncrement)
+    assert (last.arrival_s, last.observation.to_s) == (0.65, 0.6)
+
+
+def test_without_an_odometry_scans_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(material_of_a_log, "_odometry", lambda plugins, rig: None)
+    arrivals = arrivals_of_a_lidar()
+    found = list(_without_scans(arrivals, Choices(()), RIG))  # type: ignore[arg-type]
+    assert found == [arrivals[0], arrivals[1], arrivals[3]]
+
+
+@pytest.mark.parametrize("lidars", [(), (SimpleNamespace(name="lidar"),)])
+def test_without_a_lidar_or_a_choice_there_is_no_odometry(lidars: tuple[object, ...]) -> None:
+    rig = SimpleNamespace(sensors_of=lambda kind: lidars)
+    assert _odometry(Choices(()), rig) is None  # type: ignore[arg-type]

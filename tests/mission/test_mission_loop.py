@@ -2,6 +2,7 @@
 
 import shutil
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from executive.events.mission import (
 from executive.events.site import RegionNamed
 from executive.events.watch import MissionHeld, MissionWentOn
 from executive.journal import read_journal
+from executive.mission.guard import Guard
 from executive.mission.mission import Mission
 from executive.mission.options import Options
 from executive.mission.resume import resumed_run
@@ -358,3 +360,28 @@ def test_times_of_a_report_have_three_decimals(
     assert (report.wall_s, report.real_time_factor) == (3.0, 0.35)
     wall = iter([10.0, 13.7, *[20.0] * 10_000])
     assert run(tmp_path_of(tmp_path, "again")).report.real_time_factor == 0.284
+
+
+def test_the_report_judges_a_state_a_second_and_none_in_a_pause(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judged: list[float] = []
+    monkeypatch.setattr(Guard, "judge", lambda guard, state: judged.append(state.stamp_s))
+    text = WAIT.replace("1 s", "4 s")
+    run(tmp_path, text=text)
+    assert len(judged) >= 3
+    assert [round(b - a, 1) for a, b in pairwise(judged)] == [1.0] * (len(judged) - 1)
+    without, alone = len(judged), tmp_path_of(tmp_path, "paused")
+    judged.clear()
+
+    def each(mission: Mission) -> None:
+        hold(mission)
+        if mission.pause.is_on:
+            paused.append(len(judged))
+            if len(paused) == 30:
+                mission.toggle_pause()
+
+    hold, paused = Once(1.5, Mission.toggle_pause), []
+    run(alone, each, text=text)
+    assert len({*paused}) == 1
+    assert len(judged) == without

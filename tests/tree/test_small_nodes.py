@@ -247,3 +247,14 @@ def test_mistakes_of_a_question_are_told(play: Any, ask: str, mistake: str) -> N
 def test_a_question_reads_only_keys_that_are_written(play: Any) -> None:
     with pytest.raises(MissionFileError, match=r"'ask' reads key 'stone' before it is written"):
         play("ask: Lift stone {stone.id}?")
+
+
+def test_a_call_that_is_repeated_begins_anew_each_time_with_the_inputs_of_then(play: Any) -> None:
+    trees = "  twice:\n    in: {number: int}\n    out: {result: int}\n    run: Double\n"
+    main = (
+        "sequence:\n  - set: {mine: 1}\n  - loop: {max: 4}\n    do:\n      call: twice\n"
+        '      in: {number: "{mine}"}\n      out: {result: "{mine}"}'
+    )
+    tree = play(main, trees=trees, leaves=LEAVES)
+    assert tree.finish() == "SUCCESS"
+    assert tree.runtime.store.get("mine") == 2**4
