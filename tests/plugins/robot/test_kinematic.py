@@ -7,10 +7,12 @@ from executive_plugins.robot.settings import KinematicSettings
 
 from executive.errors import RobotError
 from executive.machine.machine import load_machine
-from executive.messages.command import Follow, MoveJaws
+from executive.messages.command import Drive, Follow, MoveJaws
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
 from executive.messages.trajectory import JointTrajectory
+
+STEP_S = 0.01
 
 
 @pytest.fixture
@@ -129,3 +131,71 @@ def test_a_machine_that_is_restored_goes_on_like_the_one_that_was_kept(robot, ma
             np.testing.assert_array_equal(one.specific_force_m_s2, same.specific_force_m_s2)
     last = [one for one in theirs if isinstance(one, JointSample)][-1]
     assert last.of(machine.turn_joint)[1] > 0.1
+
+
+def poses_of_imu(robot, seconds):
+    """Return what the chassis' sensor feels ahead while the time goes on [m/s²]."""
+    samples = robot.read(robot.revision * STEP_S + seconds)
+    return [o for o in samples if isinstance(o, ImuSample) and o.frame == "imu_base"]
+
+
+def test_it_drives_and_brakes_and_its_sensor_feels_that(robot, machine):
+    """Up to 0.5 m/s with the largest acceleration, then braking as hard."""
+    limit = machine.driving.max_acceleration_m_s2
+    robot.command(Drive(0.5, 0.0))
+    felt = poses_of_imu(robot, 0.2)
+    assert felt[-1].specific_force_m_s2[0] == pytest.approx(limit, abs=1e-3)
+    with pytest.raises(RobotError, match="the chassis moves"):
+        robot.command(Follow(turn(machine, 0.1, 2.0)))
+    robot.stop()
+    felt = poses_of_imu(robot, 0.1)
+    assert felt[-1].specific_force_m_s2[0] == pytest.approx(-limit, abs=1e-3)
+    felt = poses_of_imu(robot, 2.0)
+    assert felt[-1].specific_force_m_s2[0] == pytest.approx(0.0, abs=1e-6)
+    robot.command(Follow(turn(machine, 0.1, 2.0)))  # it stands: the arm may move
+
+
+def test_it_does_not_drive_while_the_arm_moves(robot, machine):
+    robot.command(Follow(turn(machine, 0.5, 3.0)))
+    robot.read(0.5)
+    with pytest.raises(RobotError, match="the arm moves"):
+        robot.command(Drive(0.5, 0.0))
+
+
+def test_a_safe_stop_is_kept_until_all_stands(robot, machine):
+    robot.command(Drive(0.5, 0.0))
+    robot.read(0.3)
+    assert robot.latched() == ""
+    robot.safe_stop("a test")
+    assert robot.latched() == "a test"
+    for command in (Drive(0.5, 0.0), MoveJaws(0.1, 1e3), Follow(turn(machine, 0.1, 2.0))):
+        with pytest.raises(RobotError, match="a test"):
+            robot.command(command)
+    with pytest.raises(RobotError):
+        robot.reset()
+    robot.read(2.0)
+    robot.reset()
+    assert robot.latched() == ""
+    robot.command(Drive(0.5, 0.0))
+
+
+def jaw(robot, machine, until_s):
+    samples = [o for o in robot.read(until_s) if isinstance(o, JointSample)]
+    return samples[-1].of(machine.jaw.name)[0]
+
+
+def test_jaws_wait_in_a_pause_and_hold_after_a_safe_stop(robot, machine):
+    goal = 0.2
+    robot.command(MoveJaws(goal, 1e3))
+    before = jaw(robot, machine, 0.3)
+    assert before > goal + 0.1
+    robot.paused(0.3)
+    assert jaw(robot, machine, 1.0) == before
+    robot.resumed(0.3)
+    assert jaw(robot, machine, 1.2) < before
+    robot.safe_stop("a test")
+    stopped = jaw(robot, machine, 1.3)
+    assert jaw(robot, machine, 6.0) == stopped
+    assert stopped > goal
+    robot.resumed(1.2)
+    assert jaw(robot, machine, 8.0) == stopped  # what a safe stop has ended goes on no more
