@@ -130,3 +130,38 @@ def test_a_covariance_that_is_nan_or_not_positive_is_refused() -> None:
         PoseConstraint(np.eye(4), np.full((6, 6), np.nan))
     with pytest.raises(DataError, match="must be positive"):
         PoseConstraint(np.eye(4), np.diag([1.0, 1, 1, 1, 1, 0]))
+
+
+def test_after_a_solution_that_fails_a_new_graph_begins_with_the_node(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As after a singular system: earlier nodes are gone, and the next one goes on from it."""
+    nodes, graph = chain(7, np.random.default_rng(0)), PairGraph(20)
+    for node in nodes[:5]:
+        graph.add(node)
+    assert graph.restarts == 0
+    solved, fails = PairGraph._solved, [True]
+
+    def once(self: PairGraph) -> object:
+        if fails.pop() if fails else False:
+            raise RuntimeError("singular")
+        return solved(self)
+
+    monkeypatch.setattr(PairGraph, "_solved", once)
+    poses = graph.add(nodes[5])
+    assert (graph.restarts, poses.first, len(poses.T_map_cabin)) == (1, 5, 1)
+    assert np.linalg.norm((poses.T_map_cabin[0] - on_circle(5))[:3, 3]) < 0.02
+    poses = graph.add(nodes[6])
+    assert (graph.restarts, poses.first, len(poses.T_map_cabin)) == (1, 5, 2)
+
+
+def test_a_solution_that_is_no_number_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If it stays so, the caller is told."""
+    node = chain(1, np.random.default_rng(0))[0]
+    graph = PairGraph(20)
+    monkeypatch.setattr(
+        "executive_plugins.mapping.pair_graph.np.isfinite", lambda values: np.zeros(1, dtype=bool)
+    )
+    with pytest.raises(RuntimeError, match="not finite"):
+        graph.add(node)
+    assert graph.restarts == 1
