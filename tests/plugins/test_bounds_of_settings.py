@@ -84,7 +84,7 @@ def test_a_sensor_is_silent_from_the_first_time_without_samples_to_the_first_wit
     assert silent == [False, True, True, True, False]
     assert not is_silent(dropouts, "imu_base", 1.5)
     check_dropouts(dropouts, ["imu_cabin"])
-    with pytest.raises(ConfigError, match="no sensor 'imu_cabin'.*'imu_cabinet'"):
+    with pytest.raises(ConfigError, match=r"no sensor 'imu_cabin'.*'imu_cabinet'"):
         check_dropouts(dropouts, ["imu_cabinet", "other"])
 
 
