@@ -36,6 +36,7 @@ from executive.messages.region import Region
 from executive.messages.request import MotionPlan
 from executive.messages.segment import LeftOut, PartKind, Segmentation
 from executive.messages.segment import Segment as Part
+from executive.messages.stone import StoneState
 from executive.messages.trajectory import JointTrajectory
 
 SURVEY = Cloud("survey", np.random.default_rng(0).uniform(-2, 2, (30, 3)))
@@ -310,6 +311,28 @@ def test_a_row_is_asked_for_with_the_stone_and_those_that_stand(stage, database)
     assert layout.keep_off == (off,)
     assert [stone.id for stone in layout.stones] == [2]
     assert [stone.id for stone in layout.standing] == [1]
+
+
+def test_places_on_given_ground_are_for_the_stones_that_lie_there_the_largest_first(
+    stage, database
+):
+    planner = stage.Scripted(PlacementPlanner, slots=())
+    stand = stage.Stage(placing=planner, objects=database)
+    use = Region("use", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
+    stand.leaf_context.regions = {"use": use}
+
+    def layout():
+        stand.tick(FindSlots, settings={"use": ("use",)}, segmentation=segmentation())
+        return planner.calls("slots")[-1]["layout"]
+
+    assert (layout().use, layout().row) == ((use,), None)
+    assert [stone.id for stone in layout().stones] == [1, 2]
+    assert layout().standing == ()
+    database.set_state(1, StoneState.PLACED, 2.0)
+    assert [stone.id for stone in layout().stones] == [2]
+    assert [stone.id for stone in layout().standing] == [1]
+    database.set_state(1, StoneState.LOST, 3.0)
+    assert layout().standing == ()
 
 
 def test_a_row_without_a_heading_is_refused():

@@ -78,6 +78,7 @@ def test_a_method_that_registers_maps_refuses_a_single_object() -> None:
 
 
 def test_a_robot_stands_still_keeps_mission_time_and_has_no_address() -> None:
+    assert not RobotSettings().is_simulated  # it moves something
     robot = least(Robot)
     assert (robot.behind_s(), robot.latest_s(), robot.zero_s()) == (0.0, math.inf, 0.0)
     assert (robot.taken_up_s(12.5), robot.address()) == (12.5, "")
