@@ -1,5 +1,6 @@
 """People who walk: where they are by the time, seen by the lidars, hit without a push."""
 
+import mujoco
 import numpy as np
 import pytest
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
@@ -7,10 +8,12 @@ from executive_plugins.robot.mujoco.sensors.settings import SensorSettings
 from executive_plugins.robot.mujoco.sensors.suite import SensorSuite
 from executive_plugins.robot.mujoco.site.settings import SiteSettings
 from executive_plugins.robot.mujoco.site.site import Site, make_site
+from executive_plugins.robot.mujoco.site.stone_model import StoneModel
 from executive_plugins.robot.mujoco.truth.contact_log import ContactLog
 from executive_plugins.robot.mujoco.world import World
 
 from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import transform
 from executive.machine.machine import load_machine
 from executive.messages.lidar import LidarScan
@@ -132,3 +135,28 @@ def test_a_person_is_a_pillar_on_its_feet_with_its_sides_and_height() -> None:
     corners = vertices[triangles]
     volume_m3 = np.linalg.det(corners).sum() / 6
     assert volume_m3 == pytest.approx(area_m2 * 1.9)
+
+
+def test_what_stands_on_a_site_is_drawn_opaque_and_a_person_stands_out() -> None:
+    """Shares of red, green and blue are from 0 to 1; a person is orange, all else is of earth."""
+    boxes = [
+        {"at_m": (8.0, 3.0 * i), "size_m": (1.0, 1.0, 1.0), "shape": shape}
+        for i, shape in enumerate(("box", "cylinder"))
+    ]
+    person = {"path_m": [(4, 0), (4, 3)]}
+    chosen = {"terrain": LEVEL, "stones": {"count": 0}, "people": [person], "obstacles": boxes}
+    made = make_site(
+        SiteSettings.model_validate(chosen), MACHINE, PhysicsSettings(), np.random.default_rng(3)
+    )
+    spec = mujoco.MjSpec()
+    made.add_to(spec)
+    skin = hull_mesh(np.array([[x, y, z] for x in (0, 1.0) for y in (0, 1.0) for z in (0, 1.0)]))
+    StoneModel.from_skin("stone_1", skin, 2700.0).add_to(spec, np.eye(4))
+    colours = spec.compile().geom_rgba
+    assert len(colours) >= 5
+    assert ((colours >= 0.0) & (colours <= 1.0)).all()
+    assert (colours[:, 3] == 1.0).all()
+    saturated = np.ptp(colours[:, :3], axis=1) > 0.5
+    assert saturated.sum() == 1
+    red, green, blue = colours[saturated][0, :3]
+    assert red > green > blue
