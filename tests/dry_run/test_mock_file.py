@@ -6,6 +6,7 @@ from executive.dry_run.chance import Chance
 from executive.dry_run.mock_file import read_mocks
 from executive.dry_run.places import places_of
 from executive.dry_run.rehearsal import rehearse
+from executive.mission.preset_answers import PresetAnswers
 from executive.tree.problem import MissionFileError
 
 TREE = """
@@ -140,3 +141,85 @@ def test_an_array_without_a_stated_shape_is_not_made_up(rehearsed):
     assert run.result.outcome == "failure"
     assert "'rock.corners' cannot be made up" in run.result.reason
     assert rehearsed("mocks: {Look: {outputs: {rock: {corners: [1]}}}}", tree).broken == []
+
+
+LISTS = """
+sequence:
+  - run: Look
+  - set: {list: [1, 2.5], word: a}
+"""
+
+
+@pytest.mark.parametrize(
+    ("expected", "is_met"),
+    [
+        ("keys: {list: [1, 2.5]}", True),
+        ("keys: {list: [1, 2.6]}", False),
+        ("keys: {list: [1]}", False),
+        ("keys: {list: 1}", False),
+        ("keys: {word: a}", True),
+        ("keys: {word: b}", False),
+        ("keys: {count: 7.0000000001}", True),
+        ("keys: {count: 7.1}", False),
+        ('that: ["{count} == 7"]', True),
+        ('that: ["{rock.centre_m[0]} > 0"]', True),
+    ],
+)
+def test_lists_texts_and_numbers_are_compared_with_a_tolerance(rehearsed, expected, is_met):
+    leaves = "  Look: {outputs: {count: 7, rock: {mass: 1 t, centre_m: [1 m, 2 m, 3 m]}}}\n"
+    run = rehearsed(f"mocks:\n{leaves}expect:\n  {expected}\n", LISTS)
+    assert (run.broken == []) is is_met
+
+
+def test_what_cannot_be_computed_is_a_broken_expectation(rehearsed):
+    that = '["1 / {count} > 2", "{count} == 0"]'
+    text = f"mocks: {{Look: {{outputs: {{count: 0}}}}}}\nexpect:\n  that: {that}\n"
+    first, *rest = rehearsed(text, LISTS).broken
+    assert "cannot be computed" in first
+    assert rest == []
+
+
+@pytest.mark.parametrize(
+    ("preset", "answers"),
+    [
+        (PresetAnswers(answer=False, choices=("right",)), ("right", "failure")),
+        (PresetAnswers(answer=True, choices=("up", "left")), ("left", "success")),
+    ],
+)
+def test_answers_of_the_command_line_are_given(mission, preset, answers):
+    tree = """
+sequence:
+  - ask: Left or right?
+    choices: [left, right]
+    out: {answer: "{side}"}
+  - ask: Sure?
+"""
+    run = rehearse(mission(tree), [Chance(1, 0.0)], preset=preset).runs[0]
+    assert (run.result.store.get("side"), run.result.outcome) == answers
+
+
+@pytest.mark.parametrize("text", ["- a list\n", "just words\n"])
+def test_a_file_of_mocks_is_a_mapping(mission, tmp_path, text):
+    path = tmp_path / "mocks.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(MissionFileError, match="a file of mocks is a mapping"):
+        read_mocks(path, places_of(mission(TREE)))
+
+
+def test_a_name_of_leaves_of_several_kinds_is_refused(mission, mocks):
+    tree = "sequence:\n  - {run: Turn, name: same}\n  - {check: Calm, name: same}\n"
+    with pytest.raises(MissionFileError, match="'same' means leaves of several kinds: main/0:same"):
+        read_mocks(mocks("mocks: {same: success}"), places_of(mission(tree)))
+
+
+def test_a_list_of_outcomes_holds_one_at_least(mission, mocks):
+    with pytest.raises(MissionFileError, match="'Turn' takes a list of at least one outcome"):
+        read_mocks(mocks("mocks: {Turn: []}"), places_of(mission(TREE)))
+
+
+def test_several_seeds_are_told_apart(mission, mocks):
+    file = mocks("mocks: {Calm: success, ask: left, sure: success}\nexpect: {outcome: failure}\n")
+    done = rehearse(mission(TREE), [Chance(1, 0.0), Chance(2, 0.0)], file)
+    assert [run.name for run in done.runs] == ["seed 1", "seed 2"]
+    assert [run.broken[0].rpartition(" (")[2] for run in done.runs] == ["seed 1)", "seed 2)"]
+    assert not done.is_as_expected
