@@ -54,7 +54,8 @@ def largest_load(
         direction: Horizontal unit vector of the load, shape (3,).
 
     Returns:
-        The share, at most 2; None if they cannot even bear their weight.
+        The share, at most 2; None if they cannot even bear their weight. A load may also hold what
+        would fall by itself: ask for it in directions all around.
     """
     if not touches:
         return None
