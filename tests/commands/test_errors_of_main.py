@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from executive.commands import main
+from executive.commands.console import answer
 from executive.errors import ConfigError, DataError, RobotError
 from tests.commands.in_process import executive
 
@@ -103,3 +104,8 @@ def test_a_verb_of_a_plugin_is_listed_and_found(monkeypatch, capsys):
     assert "greet" in told
     assert "compare-estimators" in told
     assert executive(monkeypatch, "gret") == 2
+
+
+def test_answers_hold_letters_of_any_language_as_they_are(capsys):
+    answer({"site": "Hügel", "count": 2})
+    assert capsys.readouterr().out == '{\n  "site": "Hügel",\n  "count": 2\n}\n'

@@ -211,3 +211,10 @@ def test_a_loop_that_does_not_answer_in_time_is_told(tmp_path, server):
 def test_a_reply_that_is_none_is_refused():
     with pytest.raises(DataError, match="cannot be read"):
         Reply.read(b'{"is_done": true, "txt": ""}\n')
+
+
+def test_words_of_any_language_are_sent_as_they_are():
+    line = Reply(True, "angehalten für eine Prüfung").line()
+    assert "für eine Prüfung".encode() in line
+    assert line.count(b"\n") == 1
+    assert Reply.read(line) == Reply(True, "angehalten für eine Prüfung")

@@ -178,3 +178,10 @@ def test_a_line_of_another_number_or_after_another_line_is_refused():
     for before, number in ((FIRST_CHECKSUM, 4), (FIRST_CHECKSUM, 6), ("f" * 16, 5)):
         with pytest.raises(DataError, match="was changed or lost"):
             entry_of(line, before, number)
+
+
+def test_a_line_holds_letters_of_any_language_as_they_are():
+    line, checksum = line_of(Entry(0, 0, 0.0, "Hügel", EVENT), FIRST_CHECKSUM)
+    assert '"node":"Hügel"' in line
+    entry, stated = entry_of(line, FIRST_CHECKSUM, 0)
+    assert (entry.node, stated) == ("Hügel", checksum)
