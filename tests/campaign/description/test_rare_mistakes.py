@@ -4,14 +4,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from pydantic import BaseModel
 
 from executive import registry
 from executive.campaign.description import grid, reader
 from executive.campaign.description.campaign import Campaign
 from executive.campaign.description.load import is_campaign_folder
 from executive.campaign.description.metrics import parse_in_unit
+from executive.campaign.description.paths import part_at, relative_paths
 from executive.campaign.figures.bound import Bound
 from executive.interfaces.plugin import Plugin
+from executive.tree.document import read_text
+from executive.tree.problem import Problems
 
 Read = Callable[..., Campaign]
 Mistakes = Callable[..., list[str]]
@@ -122,3 +126,33 @@ def test_a_name_that_no_file_can_have_is_no_campaigns_folder(tmp_path: Path) -> 
     assert not is_campaign_folder(str(tmp_path / "none"))
     assert is_campaign_folder(str(tmp_path))
     assert not is_campaign_folder("pick_and_place")
+
+
+class Site(BaseModel):
+    log: Path
+    label: str = ""
+    several: tuple[Path, ...] = ()
+
+
+def found_in(text: str, checked: object) -> list[str]:
+    value = read_text(text, "f", Problems())
+    assert value is not None
+    return [path for _, path in relative_paths(value, checked)]
+
+
+def test_relative_paths_are_those_of_path_fields_and_texts_that_begin_with_a_dot() -> None:
+    site = Site(log="a.mcap", label="b", several=("c", "/d", "e"))  # type: ignore[arg-type]
+    text = "{log: a.mcap, label: b, several: [c, /d, e]}"
+    assert found_in(text, site) == ["a.mcap", "c", "e"]
+    assert found_in("{log: /a.mcap, label: ./b, more: ../x}", site) == ["./b", "../x"]
+    assert found_in("[[./a], b, 3]", None) == ["./a"]
+    assert found_in("{several: [c, d, e, f]}", {"several": [Path("c"), "d"]}) == ["c"]
+
+
+@pytest.mark.parametrize(
+    ("path", "part"),
+    [("", {"site": Site(log=Path("a"))}), ("site.log", Path("a")), ("site.lgo", None),
+     ("sit.log", None), ("site.log.more", None)],
+)  # fmt: skip
+def test_a_part_of_settings_is_found_by_its_path(path: str, part: object) -> None:
+    assert part_at({"site": Site(log=Path("a"))}, path) == part

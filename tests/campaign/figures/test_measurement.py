@@ -8,6 +8,7 @@ import pytest
 
 from executive import registry
 from executive.campaign.figures.measurement import (
+    _plain,
     measure,
     measurements_from,
     metric,
@@ -189,3 +190,30 @@ def test_a_figure_that_the_mission_reports_is_a_metric() -> None:
     assert measured == {"figure.stones_found": {"values": [4.0]}}
     assert metric("figure.stones_found").title == "figure stones_found"
     assert metric("figure.other").title == "figure other"
+
+
+@pytest.mark.parametrize(
+    ("found", "told"),
+    [
+        (Share(3, 2), "3 hits of 2 are no share"),
+        (Share(-1, 2), "-1 hits of 2 are no share"),
+        (Values((1.0,)), "expected Share, got Values"),
+        (Share(0, 0), None),
+        (Share(2, 2), None),
+    ],
+)
+def test_a_share_has_no_more_hits_than_trials(found: object, told: str | None) -> None:
+    asked = registry.load(registry.METRICS, "success")()
+    if told is None:
+        assert _plain(found, asked) == {"hits": found.hits, "of": found.of}
+        return
+    with pytest.raises((ValueError, TypeError), match=told):
+        _plain(found, asked)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+def test_a_value_is_finite(value: float) -> None:
+    asked = registry.load(registry.METRICS, "cycle_time")()
+    assert _plain(Values((1, 2.5)), asked) == {"values": [1.0, 2.5]}
+    with pytest.raises(ValueError, match="a value is not finite"):
+        _plain(Values((1.0, value)), asked)
