@@ -266,3 +266,30 @@ def test_silence_is_told_once_it_is_longer_than_allowed(after_s: float, modes: l
     for now_s in (2.25, min(2.0 + after_s, 2.75), 2.0 + after_s):
         smoother._watch_silence(now_s)
     assert [change.after for change in smoother._modes.changes] == modes
+
+
+@pytest.mark.parametrize("after_gap", [False, True])
+def test_a_first_solution_that_fails_leaves_the_first_state(
+    monkeypatch: pytest.MonkeyPatch, after_gap: bool
+) -> None:
+    """Also that from which it began anew after a long gap of the samples."""
+    rest = AtRest()
+    if after_gap:
+        rest.until(1.0, off_m=0.0)
+        rest.k += 200
+        rest.smoother.add_sample(Inertial(rest.now_s, Z, UP, 2.0))
+    solve, fails = GraphWindow.solve, [True]
+
+    def solved(window: GraphWindow) -> None:
+        if fails.pop() if fails else False:
+            raise UnsolvableError("not positive definite")
+        solve(window)
+
+    monkeypatch.setattr(GraphWindow, "solve", solved)
+    began_s, count = rest.now_s, len(rest.answers)
+    rest.until(began_s + 1.5)
+    failed = rest.answers[count]
+    assert failed.refused["smoother: rebuilt"] == 1
+    assert failed.state.stamp_s == pytest.approx(began_s)
+    assert failed.state.p_map_imu == pytest.approx(Z, abs=0.2)
+    assert rest.answers[-1].state.stamp_s > began_s
