@@ -5,6 +5,7 @@ import json
 import pytest
 
 from executive.errors import ConfigError
+from executive.events.event import UnknownEvent
 from executive.events.mission import PauseEnded
 from executive.events.node import NodeEnded, NodeResult, NodeStarted
 from executive.events.site import SiteScanned
@@ -118,3 +119,13 @@ def test_an_entry_is_plain_data() -> None:
 def test_a_folder_without_a_run_is_told(tmp_path) -> None:
     with pytest.raises(ConfigError, match="holds no run"), reading(tmp_path):
         pytest.fail("it is read")
+
+
+def test_words_of_any_language_are_shown_as_they_are() -> None:
+    journal = Journal()
+    journal.append(0, 1.0, "main/Hügel", NodeEnded(NodeResult.FAILURE, "für die Prüfung"))
+    journal.append(1, 2.0, "main", UnknownEvent("odd", {"told": "für"}))
+    ended, odd = (line_for_people(entry) for entry in journal.newest)
+    assert "main/Hügel" in ended
+    assert "für die Prüfung" in ended
+    assert odd.endswith('{"told": "für"}')
