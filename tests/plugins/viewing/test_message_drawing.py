@@ -13,6 +13,7 @@ from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.mark import Mark
 from executive.messages.region import Region
+from executive.messages.status_change import StatusChange
 
 M545 = load_machine("m545")
 POINTS = np.random.default_rng(0).normal(0, 1, (1000, 3))
@@ -86,3 +87,15 @@ def test_numbers_that_follow_each_other_have_colours_that_differ() -> None:
     assert of_number(3) == of_number(3)
     assert max(max(one) for one in colours) == pytest.approx(0.95 * 255, abs=1)
     assert GROUND not in {tuple(one) for one in colours}
+
+
+@pytest.mark.parametrize(("after", "level"), [("GLOBAL", "INFO"), ("FALLBACK", "WARN")])
+def test_a_loss_of_the_estimate_is_logged_as_a_warning_with_its_reason(
+    after: str, level: str
+) -> None:
+    parts = drawn(StatusChange(1.0, "SUSPECT", after, "no fix for 1.0 s"), "estimator")
+    (entry,) = parts["log/estimator"]["text"]
+    assert entry == f"estimator: SUSPECT → {after}: no fix for 1.0 s"
+    assert parts["log/estimator"]["level"] == [level]
+    bare = drawn(StatusChange(1.0, "SUSPECT", after, ""), "estimator")
+    assert bare["log/estimator"]["text"] == [f"estimator: SUSPECT → {after}"]
