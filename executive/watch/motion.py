@@ -40,9 +40,9 @@ class MotionWatch:
         self._machine, self._T_map_base = machine, T_map_base
         self._kinematics = Kinematics(machine)
         self._follow: Follow | None = None
-        self._began_s = 0.0
-        self._is_followed = False
-        self._path = np.zeros((0, 0))
+        self._began_s: float  # this and the next two are set with `_follow`
+        self._is_followed: bool
+        self._path: Float
         self._pressure = DrivePressure(machine) if has_efforts else None
 
     def command(self, command: Command, now_s: float) -> None:
