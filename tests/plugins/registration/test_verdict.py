@@ -103,7 +103,7 @@ def test_stones_that_fit_much_worse_decide_alone() -> None:
     evidence = Evidence(contradicted=1.0)
     excess = 2 * (4.0 - 0.5) + 2 * (4.4 - 0.5)
     ratio = search(evidence)._ratio(shifted(1), fit(4.0, 4.4), BEST, fit(0.5, 0.5))
-    assert ratio == pytest.approx(np.exp(-excess))
+    assert ratio == pytest.approx(np.exp(-excess), rel=1e-9, abs=0.0)
     assert evidence.asked == []
 
 
@@ -113,11 +113,15 @@ def test_plain_ground_under_stones_counts_next_and_then_the_relief_up_to_a_milli
     bare = Evidence(contradicted=9.0)
     ground = search(bare)
     ground._for_best = 1.0
-    assert ground._ratio(shifted(1), own, BEST, own) == pytest.approx(np.exp(-8 * (CAP - 0.5)))
+    assert ground._ratio(shifted(1), own, BEST, own) == pytest.approx(
+        np.exp(-8 * (CAP - 0.5)), rel=1e-9, abs=0.0
+    )
     assert bare.asked == ["contradicted"]
     for relief, nats in (((0.5, 6.0), 3.0), ((2.0, 30.0), 13.8)):
         level = Evidence(relief=relief)
-        assert search(level)._ratio(shifted(1), own, BEST, own) == pytest.approx(np.exp(-nats))
+        assert search(level)._ratio(shifted(1), own, BEST, own) == pytest.approx(
+            np.exp(-nats), rel=1e-9, abs=0.0
+        )
         assert level.asked == ["contradicted", "relief"]
 
 
@@ -134,7 +138,7 @@ def test_the_likeliest_motion_that_lays_two_stones_elsewhere_is_the_rival() -> N
     rival = asked.best_rival(BEST, PAIRS, candidates)
     assert rival is not None
     assert rival.T_target_source[0, 3] == 2.0
-    assert rival.likelihood_ratio == pytest.approx(np.exp(-4 * 0.2))
+    assert rival.likelihood_ratio == pytest.approx(np.exp(-4 * 0.2), rel=1e-9, abs=0.0)
     assert rival.matched_segments == PAIRS
     assert asked.excluded == 0
     reach_m = 3 * SETTINGS.truncation_m
@@ -290,3 +294,11 @@ def test_candidates_are_refined_once_each_and_all_that_are_rivals_are_weighed(
     assert made.excluded == 1
     reach_m = SETTINGS.coarse_reach_m
     assert reaches == [(reach_m, reach_m, pytest.approx(0.6 * reach_m))] * 5
+
+
+def test_the_rival_is_told_by_how_far_it_lays_the_middle_and_turns_it() -> None:
+    turn = pose(from_rpy(0.0, 0.0, np.pi / 2), np.array([1.0, 0.0, 0.0]))
+    best = Similarity(pose(t=np.array([2.0, 0.0, 0.0])), 1.0)
+    told = verdict._told(Rival(turn, 1.0, 1e-3, PAIRS), best, np.array([3.0, 4.0, 0.0]))
+    # (3, 4) lies at (−3, 3) by the rival, and at (5, 4) by the best motion.
+    assert "8.06 m and 90 deg away, on which 2 stones agree, is 1.0e-03 times" in told
