@@ -9,6 +9,7 @@ import pytest
 from executive.errors import ConfigError
 from executive.interfaces.estimation import Estimator
 from executive.interfaces.mapping import Mapper
+from executive.interfaces.metric import Metric
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
@@ -20,6 +21,7 @@ from executive.interfaces.robot import Robot, RobotSettings
 from executive.interfaces.surveying import Survey
 from executive.interfaces.viewing import Viewer
 from executive.interfaces.work import Work
+from executive.leaf.action import Leaf
 from executive.messages.cloud import Cloud
 
 Interface = TypeVar("Interface")
@@ -80,6 +82,7 @@ def test_a_method_that_registers_maps_refuses_a_single_object() -> None:
 def test_a_robot_stands_still_keeps_mission_time_and_has_no_address() -> None:
     assert not RobotSettings().is_simulated  # it moves something
     robot = least(Robot)
+    assert (robot.lacks, robot.has_own_clock, robot.is_ideal) == (frozenset(), False, False)
     assert (robot.behind_s(), robot.latest_s(), robot.zero_s()) == (0.0, math.inf, 0.0)
     assert (robot.taken_up_s(12.5), robot.address()) == (12.5, "")
     assert RobotSettings().may_tip is False
@@ -93,3 +96,18 @@ def test_a_survey_has_no_figures_and_a_work_no_inputs() -> None:
 def test_a_viewer_that_shows_nothing_live_says_what_to_choose() -> None:
     with pytest.raises(ConfigError, match=r"plugin Least shows nothing live; choose --set viewing"):
         least(Viewer).show_live(9876)
+
+
+def test_a_plugin_is_one_with_a_state_of_this_process_unless_it_says_otherwise() -> None:
+    plugin = least(Plugin)
+    assert (plugin.is_plural, plugin.is_stateless, plugin.is_remote) == (False, False, False)
+
+
+def test_a_metric_measures_values_of_which_more_is_better_unless_it_says_otherwise() -> None:
+    metric = least(Metric)
+    assert (metric.is_share, metric.is_more_better) == (False, True)
+
+
+def test_what_a_leaf_commands_can_be_taken_back_unless_it_says_otherwise() -> None:
+    assert not Leaf.is_irreversible
+    assert (Leaf.claims, Leaf.on_resume, Leaf.needs) == (None, None, ())
