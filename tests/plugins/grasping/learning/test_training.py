@@ -199,7 +199,7 @@ def test_the_card_tells_what_was_learned_and_how_well(
     monkeypatch.setattr(grasp_training, "predictions", lambda net, own: (len(own.numbers),))
     monkeypatch.setattr(grasp_training, "area_under_curve", scores.__getitem__)
     settings = TrainingSettings(held_out=0.2, seed=3)
-    out = tmp_path / "new" / "weights.safetensors"
+    out = tmp_path / "new" / "folders" / "weights.safetensors"
     test_folder = tmp_path / "other" if is_tested else None
     card = train_weights(tmp_path / "own", out, settings, test_folder, told.append)
     learned, validation = split_by_stone(labels(30), 0.2, np.random.default_rng(3))
