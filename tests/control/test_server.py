@@ -14,6 +14,7 @@ from executive.control.place import NAME, connect
 from executive.control.request import MOST_BYTES, Reply, Request, Verb
 from executive.control.server import ControlServer
 from executive.errors import ConfigError, DataError
+from executive.mission.run_lock import RunLock
 
 PAUSE = Request(Verb.PAUSE)
 
@@ -218,3 +219,13 @@ def test_words_of_any_language_are_sent_as_they_are():
     assert "für eine Prüfung".encode() in line
     assert line.count(b"\n") == 1
     assert Reply.read(line) == Reply(True, "angehalten für eine Prüfung")
+
+
+def test_a_run_that_starts_or_ends_is_asked_again_later(tmp_path):
+    (tmp_path / "journal.jsonl").touch()
+    lock = RunLock(tmp_path)  # it writes into the folder, and does not listen
+    with pytest.raises(ConfigError, match="is starting or ending, and takes no requests then"):
+        ask(tmp_path, PAUSE, 1)
+    lock.release()
+    with pytest.raises(ConfigError, match="was cut off"):
+        ask(tmp_path, PAUSE, 1)

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from executive import registry
 from executive.campaign.description import grid, reader
 from executive.campaign.description.campaign import Campaign
+from executive.campaign.description.factors import _meet
 from executive.campaign.description.load import is_campaign_folder
 from executive.campaign.description.metrics import parse_in_unit
 from executive.campaign.description.paths import part_at, relative_paths
@@ -156,3 +157,17 @@ def test_relative_paths_are_those_of_path_fields_and_texts_that_begin_with_a_dot
 )  # fmt: skip
 def test_a_part_of_settings_is_found_by_its_path(path: str, part: object) -> None:
     assert part_at({"site": Site(log=Path("a"))}, path) == part
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "meet"),
+    [
+        ("loop.tick", "loop.tick", True),
+        ("robot.site", "robot.site.stones", True),
+        ("robot.site.stones", "robot.site", True),
+        ("robot.site", "robot.sites", False),
+        ("loop.tick", "loop.runner", False),
+    ],
+)
+def test_a_setting_meets_those_above_and_below_it(one: str, other: str, meet: bool) -> None:
+    assert _meet(one, other) is meet

@@ -217,3 +217,10 @@ def test_a_value_is_finite(value: float) -> None:
     assert _plain(Values((1, 2.5)), asked) == {"values": [1.0, 2.5]}
     with pytest.raises(ValueError, match="a value is not finite"):
         _plain(Values((1.0, value)), asked)
+
+
+def test_a_journal_that_cannot_be_read_is_told(run_folder: Path) -> None:
+    (run_folder / "journal.jsonl").unlink()
+    (run_folder / "journal.jsonl").mkdir()
+    with pytest.raises(DataError, match=r"journal\.jsonl: not a journal: "):
+        record_of(run_folder)
