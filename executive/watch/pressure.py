@@ -1,6 +1,8 @@
 """Whether the drives of the arm have pressure: what they measure against what the motion needs."""
 
 from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,8 +14,21 @@ from executive.messages.command import Follow
 from executive.messages.joints import JointSample
 
 LOOKS = 3  # samples in a row: an effort that changes its sign passes zero in fewer
+_WRONG = 2.0  # the factor by which the machine's masses may be wrong
 _NOISE = 3.0  # standard deviations within which a measured effort may be none
 _STEP_S = 0.02  # of the difference quotient for accelerations of the path
+
+
+_Motion = tuple[Float, Float, Float]  # position, velocity and acceleration of the arm, (n,) each
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Look:
+    """The stamp and velocities of a sample, and which drives had no effort."""
+
+    stamp_s: float
+    dq: Float
+    lost: frozenset[int]
 
 
 class DrivePressure:
@@ -24,6 +39,9 @@ class DrivePressure:
     the jaws carry: with nothing in them and with the whole payload, now and the drives' lag ago,
     and always in the same direction. So masses that are wrong by a factor of two do no harm, and a
     drive that needs no effort, as a swing at a constant speed on level ground, is not judged.
+
+    Where the gripper touches the ground, that may carry the arm. Then the other drives do not
+    measure what the measured motion needs, within the factor of two, and nothing is judged.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -33,8 +51,8 @@ class DrivePressure:
         share = sheet.effort_noise if isinstance(sheet, Encoders) else 0.0
         friction = machine.hydraulics.friction if machine.hydraulics is not None else 0.0
         self._none = _NOISE * share * limits
-        self._needed = 2.0 * self._none + friction * limits
-        self._looks: deque[tuple[float, frozenset[str]]] = deque(maxlen=LOOKS)
+        self._needed = _WRONG * self._none + friction * limits
+        self._looks: deque[_Look] = deque(maxlen=LOOKS)
 
     def forget(self) -> None:
         """Begin anew: nothing is followed, or another path."""
@@ -53,41 +71,67 @@ class DrivePressure:
         if not lag_s <= since_s <= follow.trajectory.duration_s:
             self.forget()
             return ""
-        if self._looks and sample.stamp_s <= self._looks[-1][0]:
+        if self._looks and sample.stamp_s <= self._looks[-1].stamp_s:
             return ""
+        needs = self._needs(self._on_path(sample, follow, since_s), up_base)
+        needed = self._directions(needs)
         measured = np.array([sample.of(name)[2] for name in self._machine.arm_names])
-        times = (since_s - lag_s, since_s - lag_s / 2, since_s)
-        needs = self._needs(sample, follow, times, up_base)
-        is_needed = needs.min(axis=0) > self._needed
-        is_needed |= needs.max(axis=0) < -self._needed
-        found = is_needed & (np.abs(measured) <= self._none)
-        names = frozenset(np.array(self._machine.arm_names)[found].tolist())
-        self._looks.append((sample.stamp_s, names))
-        lasting = frozenset.intersection(*(names for _, names in self._looks))
+        is_none = np.abs(measured) <= self._none
+        motion = self._measured(sample)
+        is_carried = self._is_carried(measured, is_none, self._needs([motion], up_base))
+        found = np.flatnonzero((needed != 0) & is_none & (not is_carried))
+        self._looks.append(_Look(sample.stamp_s, motion[1], frozenset(found.tolist())))
+        lasting = frozenset.intersection(*(look.lost for look in self._looks))
         if len(self._looks) < LOOKS or not lasting:
             return ""
-        i = next(i for i, name in enumerate(self._machine.arm_names) if name in lasting)
-        least = float(np.abs(needs[:, i]).min())
-        unit = "N" if self._machine.joints[i].kind == "prismatic" else "N·m"
-        return (
-            f"{self._machine.arm_names[i]} has no effort where its motion needs {least:.0f} {unit}"
-        )
+        i = min(lasting)
+        joint, least = self._machine.joints[i], float(np.abs(needs[:, i]).min())
+        unit = "N" if joint.kind == "prismatic" else "N·m"
+        return f"{joint.name} has no effort where its motion needs {least:.0f} {unit}"
 
-    def _needs(
-        self, sample: JointSample, follow: Follow, times_s: tuple[float, ...], up_base: Float
-    ) -> Float:
-        """Return the efforts of the path at some times, empty and loaded, shape (2 m, n)."""
-        names = self._machine.arm_names
-        still = np.array([sample.of(name)[0] for name in names])
+    def _on_path(self, sample: JointSample, follow: Follow, since_s: float) -> list[_Motion]:
+        """Return the motion of the path now, and back to the drives' lag ago."""
+        names, lag_s = self._machine.arm_names, self._machine.stance.tracking_lag_s
         columns = [names.index(name) for name in follow.trajectory.names]
-        efforts = []
-        for time_s in times_s:
-            q, dq, ddq = still.copy(), np.zeros(len(names)), np.zeros(len(names))
+        motions = []
+        for time_s in (since_s - lag_s, since_s - lag_s / 2, since_s):
+            q = np.array([sample.of(name)[0] for name in names])
+            dq, ddq = np.zeros((2, len(names)))
             q[columns], dq[columns] = follow.trajectory.at(time_s)
             after, before = (follow.trajectory.at(time_s + by)[1] for by in (_STEP_S, -_STEP_S))
             ddq[columns] = (after - before) / (2 * _STEP_S)
-            efforts += [
-                self._dynamics.efforts(q, dq, ddq, up_base, load_kg)
-                for load_kg in (0.0, self._machine.payload_kg)
+            motions.append((q, dq, ddq))
+        return motions
+
+    def _measured(self, sample: JointSample) -> _Motion:
+        """Return the measured motion, with the mean acceleration since the look before."""
+        q, dq, _ = np.array([sample.of(name) for name in self._machine.arm_names]).T
+        if not self._looks:
+            return q, dq, np.zeros_like(dq)
+        before = self._looks[-1]
+        return q, dq, (dq - before.dq) / (sample.stamp_s - before.stamp_s)
+
+    def _needs(self, motions: Sequence[_Motion], up_base: Float) -> Float:
+        """Return the efforts of some motions, empty and loaded, shape (2 m, n)."""
+        loads_kg = (0.0, self._machine.payload_kg)
+        return np.array(
+            [
+                self._dynamics.efforts(*motion, up_base, load_kg)
+                for motion in motions
+                for load_kg in loads_kg
             ]
-        return np.array(efforts)
+        )
+
+    def _directions(self, needs: Float) -> Float:
+        """Return the sign of the effort that each drive needs in any case; 0 if in none."""
+        is_needed = (needs.min(axis=0) > self._needed) | (needs.max(axis=0) < -self._needed)
+        return np.asarray(np.sign(needs[0]) * is_needed)
+
+    def _is_carried(self, measured: Float, is_none: np.ndarray, needs: Float) -> bool:
+        """Return whether something else than the drives carries or pushes the arm."""
+        direction = self._directions(needs)
+        along = measured * direction
+        least = np.abs(needs).min(axis=0) / _WRONG - self._none
+        most = np.abs(needs).max(axis=0) * _WRONG + self._none
+        is_judged = (direction != 0) & ~is_none
+        return bool((is_judged & ((along < least) | (along > most))).any())

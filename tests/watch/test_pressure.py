@@ -34,12 +34,26 @@ def swing(acceleration, speed=0.0):
     return JointTrajectory(ARM, times[:, 0], position, turns * (speed + acceleration * times))
 
 
-def sample(stamp_s, path, lost=(), load_kg=0.0, up=LEVEL[2, :3], acceleration=FASTER, noise=0.0):
-    """Return what a machine measures that is on its path; lost drives have no effort."""
+def sample(
+    stamp_s,
+    path,
+    lost=(),
+    load_kg=0.0,
+    up=LEVEL[2, :3],
+    acceleration=FASTER,
+    noise=0.0,
+    carried=(),
+):
+    """Return what a machine measures that is on its path; lost drives have no effort.
+
+    Carried ones measure another share of what they need: the ground carries the gripper.
+    """
     q, dq = path.at(stamp_s - BEGAN_S)
     ddq = acceleration * (np.arange(len(ARM)) == TURN)
     efforts = DYNAMICS.efforts(q, dq, ddq, up, load_kg)
     efforts[[ARM.index(name) for name in lost]] = 0.0
+    for name, share in carried:
+        efforts[ARM.index(name)] *= share
     efforts = efforts + noise * NOISE * LIMITS
     joints = [*zip(q, dq, efforts, strict=True), (0.5, 0.0, 0.0)]
     return JointSample(stamp_s, MACHINE.joint_names, *np.array(joints).T)
@@ -96,6 +110,15 @@ def test_an_effort_that_passes_zero_is_none_of_its_signs():
     for _ in range(5):
         assert not any(one.ticks(LOOKS - 1, lost=("J_TURN",)))
         assert not any(one.ticks(1))
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.3, 8.0])
+def test_where_the_ground_carries_the_gripper_nothing_is_judged(share):
+    ground = {"lost": ("J_TELE",), "carried": (("J_BOOM", share),)}
+    assert not any(Watched(swing(FASTER)).all(**ground))
+    # A boom that measures what it may need tells that nothing else carries the arm.
+    heavy = {"lost": ("J_TELE",), "carried": (("J_BOOM", 1.8),)}
+    assert any(Watched(swing(FASTER)).all(**heavy))
 
 
 def test_the_same_sample_counts_once():
