@@ -154,7 +154,9 @@ class Desk:
         if not isinstance(question, OpenQuestion) or not question.take(request.argument, "ctl"):
             near = did_you_mean(request.argument, allowed)
             raise RefusedError(f"'{request.argument}' is no answer to '{put[0].text}'{near}")
-        return f"answered: {put[0].text} {question.answer()!r}"
+        given = question.answer()
+        word = given if isinstance(given, str) else "yes" if given else "no"
+        return f"answered: {put[0].text} {word}"
 
     def _reset(self, request: Request, by: str) -> str:
         robot = self._mission.services.plugins["robot"]
