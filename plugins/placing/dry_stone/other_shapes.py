@@ -19,7 +19,7 @@ from executive.arrays import Float
 from executive.messages.building import AsBuilt
 from executive.messages.solid_stone import SolidStone
 
-_ANY_RAD = np.pi  # no bound on a rotation: that is the releases' affair
+_ANY_RAD = np.pi  # rotations are bounded by the releases
 
 
 class OtherShapes:
