@@ -7,7 +7,7 @@ from executive.arrays import Float
 from executive.machine.arm_model import ArmModel
 from executive.machine.machine import Machine
 
-_GRAVITY_M_S2 = 9.81
+GRAVITY_M_S2 = 9.81
 
 
 class Dynamics:
@@ -39,7 +39,7 @@ class Dynamics:
             ShapeError: If a shape is another.
         """
         arm = self._arm
-        arm.model.gravity.linear = -_GRAVITY_M_S2 * up_base
+        arm.model.gravity.linear = -GRAVITY_M_S2 * up_base
         load = pin.Inertia(load_kg, self._load_at, np.zeros((3, 3)))
         arm.model.inertias[self._carrier] = self._empty + load
         velocity, acceleration = np.zeros((2, arm.model.nv))

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from executive.arrays import Float
-from executive.machine.dynamics import Dynamics
+from executive.arrays import Bool, Float
+from executive.machine.dynamics import GRAVITY_M_S2, Dynamics
+from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders
 from executive.messages.command import Follow
@@ -40,12 +41,19 @@ class DrivePressure:
     and always in the same direction. So masses that are wrong by a factor of two do no harm, and a
     drive that needs no effort, as a swing at a constant speed on level ground, is not judged.
 
-    Where the gripper touches the ground, that may carry the arm. Then the other drives do not
+    Where the gripper or what it holds touches the ground, that may turn the gripper with the
+    payload's weight at as much as half the width of the open jaws from the grasp centre; a drive
+    that needs no more than this moment is not judged, as those of the wrist. It may also carry the
+    arm. Then the other drives do not
     measure what the measured motion needs, within the factor of two, and nothing is judged.
     """
 
     def __init__(self, machine: Machine) -> None:
         self._machine, self._dynamics = machine, Dynamics(machine)
+        self._kinematics = Kinematics(machine)
+        tips = machine.gripper.tips(machine.gripper.open_rad)
+        arm_m = float(np.linalg.norm(tips[0] - tips[1])) / 2
+        self._moment_nm = machine.payload_kg * GRAVITY_M_S2 * arm_m
         limits = np.array([joint.max_effort for joint in machine.joints])
         sheet = next(iter(machine.sensors_of("encoders")), None)
         share = sheet.effort_noise if isinstance(sheet, Encoders) else 0.0
@@ -74,11 +82,12 @@ class DrivePressure:
         if self._looks and sample.stamp_s <= self._looks[-1].stamp_s:
             return ""
         needs = self._needs(self._on_path(sample, follow, since_s), up_base)
-        needed = self._directions(needs)
+        moments = self._moments(sample, up_base)
+        needed = self._directions(needs, moments)
         measured = np.array([sample.of(name)[2] for name in self._machine.arm_names])
         is_none = np.abs(measured) <= self._none
         motion = self._measured(sample)
-        is_carried = self._is_carried(measured, is_none, self._needs([motion], up_base))
+        is_carried = self._is_carried(measured, is_none, self._needs([motion], up_base), moments)
         found = np.flatnonzero((needed != 0) & is_none & (not is_carried))
         self._looks.append(_Look(sample.stamp_s, motion[1], frozenset(found.tolist())))
         lasting = frozenset.intersection(*(look.lost for look in self._looks))
@@ -122,14 +131,21 @@ class DrivePressure:
             ]
         )
 
-    def _directions(self, needs: Float) -> Float:
+    def _moments(self, sample: JointSample, up_base: Float) -> Float:
+        """Return what a weight beside the grasp centre adds to each effort at most, shape (n,)."""
+        q = np.array([sample.of(name)[0] for name in self._machine.arm_names])
+        axes = self._kinematics.jacobian(q)[3:].T  # zero for prismatic joints
+        return np.asarray(self._moment_nm * np.linalg.norm(np.cross(axes, up_base), axis=1))
+
+    def _directions(self, needs: Float, moments: Float) -> Float:
         """Return the sign of the effort that each drive needs in any case; 0 if in none."""
-        is_needed = (needs.min(axis=0) > self._needed) | (needs.max(axis=0) < -self._needed)
+        least = self._needed + moments
+        is_needed = (needs.min(axis=0) > least) | (needs.max(axis=0) < -least)
         return np.asarray(np.sign(needs[0]) * is_needed)
 
-    def _is_carried(self, measured: Float, is_none: np.ndarray, needs: Float) -> bool:
+    def _is_carried(self, measured: Float, is_none: Bool, needs: Float, moments: Float) -> bool:
         """Return whether something else than the drives carries or pushes the arm."""
-        direction = self._directions(needs)
+        direction = self._directions(needs, moments)
         along = measured * direction
         least = np.abs(needs).min(axis=0) / _WRONG - self._none
         most = np.abs(needs).max(axis=0) * _WRONG + self._none
