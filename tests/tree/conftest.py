@@ -29,6 +29,16 @@ from executive.tree.catalogue import TableCatalogue
 from executive.tree.load import load_mission
 
 TICK_S = 0.1
+DRY_MISSION = """api: 1
+mission: dry
+plugins:
+  robot: {plugin: kinematic, model: m545}
+  estimation: gnss_imu_filter
+trees:
+  main:
+    run: Localise
+    timeout: 30 s
+"""  # the smallest mission of shipped plugins
 
 
 class Cloud:

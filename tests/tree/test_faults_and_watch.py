@@ -5,22 +5,12 @@ import pytest
 from executive.tree.load import load_mission
 from executive.tree.problem import MissionFileError
 from executive.tree.resolved import resolved_yaml
-
-MISSION = """api: 1
-mission: dry
-plugins:
-  robot: {plugin: kinematic, model: m545}
-  estimation: gnss_imu_filter
-trees:
-  main:
-    run: Localise
-    timeout: 30 s
-"""
+from tests.tree.conftest import DRY_MISSION
 
 
 def load(tmp_path, text="", *overrides):
     path = tmp_path / "dry.yaml"
-    path.write_text(MISSION + text, encoding="utf-8")
+    path.write_text(DRY_MISSION + text, encoding="utf-8")
     return load_mission(str(path), overrides)
 
 

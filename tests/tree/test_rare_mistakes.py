@@ -8,17 +8,7 @@ import pytest
 from executive.tree.document import read_text
 from executive.tree.load import load_mission
 from executive.tree.problem import MissionFileError, Problems
-
-DRY = """api: 1
-mission: dry
-plugins:
-  robot: {plugin: kinematic, model: m545}
-  estimation: gnss_imu_filter
-trees:
-  main:
-    run: Localise
-    timeout: 30 s
-"""
+from tests.tree.conftest import DRY_MISSION
 
 
 def told(load: Any, text: str, *overrides: str) -> list[str]:
@@ -65,7 +55,7 @@ def dry(tmp_path: Path) -> Any:
 
     def load(text: str, *overrides: str) -> Any:
         path = tmp_path / "dry.yaml"
-        path.write_text(DRY + text, encoding="utf-8")
+        path.write_text(DRY_MISSION + text, encoding="utf-8")
         return load_mission(str(path), overrides)
 
     return load

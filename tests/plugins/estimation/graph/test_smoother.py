@@ -60,6 +60,18 @@ class AtRest:
         return [(change.after, change.reason) for a in self.answers for change in a.changes]
 
 
+def fail_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the next solution of a graph fail."""
+    solve, fails = GraphWindow.solve, [True]
+
+    def solved(window: GraphWindow) -> None:
+        if fails.pop() if fails else False:
+            raise UnsolvableError("not positive definite")
+        solve(window)
+
+    monkeypatch.setattr(GraphWindow, "solve", solved)
+
+
 def test_with_good_fixes_it_stays_where_it_is() -> None:
     rest = AtRest()
     answer = rest.until(2.0, off_m=0.0)
@@ -204,14 +216,7 @@ def test_a_graph_that_has_no_solution_begins_anew_at_the_last_good_estimate(
     rest.until(1.0, off_m=0.0, has_lidar=True)
     before = rest.until(3.0, has_lidar=True)
     assert before.mode == Mode.FALLBACK
-    solve, fails = GraphWindow.solve, [True]
-
-    def solved(window: GraphWindow) -> None:
-        if fails.pop() if fails else False:
-            raise UnsolvableError("not positive definite")
-        solve(window)
-
-    monkeypatch.setattr(GraphWindow, "solve", solved)
+    fail_once(monkeypatch)
     count = len(rest.answers)
     rest.until(3.2, has_lidar=True)
     failed = rest.answers[count]
@@ -278,14 +283,7 @@ def test_a_first_solution_that_fails_leaves_the_first_state(
         rest.until(1.0, off_m=0.0)
         rest.k += 200
         rest.smoother.add_sample(Inertial(rest.now_s, Z, UP, 2.0))
-    solve, fails = GraphWindow.solve, [True]
-
-    def solved(window: GraphWindow) -> None:
-        if fails.pop() if fails else False:
-            raise UnsolvableError("not positive definite")
-        solve(window)
-
-    monkeypatch.setattr(GraphWindow, "solve", solved)
+    fail_once(monkeypatch)
     began_s, count = rest.now_s, len(rest.answers)
     rest.until(began_s + 1.5)
     failed = rest.answers[count]
