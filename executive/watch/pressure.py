@@ -19,7 +19,6 @@ _WRONG = 2.0  # the factor by which the machine's masses may be wrong
 _NOISE = 3.0  # standard deviations within which a measured effort may be none
 _STEP_S = 0.02  # of the difference quotient for accelerations of the path
 
-
 _Motion = tuple[Float, Float, Float]  # position, velocity and acceleration of the arm, (n,) each
 
 
@@ -42,10 +41,10 @@ class DrivePressure:
     drive that needs no effort, as a swing at a constant speed on level ground, is not judged.
 
     Where the gripper or what it holds touches the ground, that may turn the gripper with the
-    payload's weight at as much as half the width of the open jaws from the grasp centre; a drive
-    that needs no more than this moment is not judged, as those of the wrist. It may also carry the
-    arm. Then the other drives do not
-    measure what the measured motion needs, within the factor of two, and nothing is judged.
+    payload's weight at as much as half the width of the open jaws from the grasp centre. A drive
+    that needs no more than this moment is not judged: those of the wrist never are. The ground may
+    also carry the arm. Then the other drives do not measure what the measured motion needs, within
+    the factor of two, and nothing is judged.
     """
 
     def __init__(self, machine: Machine) -> None:
