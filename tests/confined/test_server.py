@@ -98,14 +98,13 @@ def test_it_serves_until_the_other_end_is_closed(
 ) -> None:
     handlers: list[Any] = []
     monkeypatch.setattr(signal, "signal", lambda *given: handlers.append(given))
-    closed: list[int] = []
-    close = os.close
+    received: list[int] = []
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
     def answered(asked: dict[str, Any], answer: int, printed: int) -> dict[str, float]:
         assert os.fstat(answer).st_ino == os.fstat(files[0]).st_ino
         assert os.fstat(printed).st_ino == os.fstat(files[1]).st_ino
-        closed.extend((answer, printed))
+        received.extend((answer, printed))
         return {"status": asked["n"]}
 
     monkeypatch.setattr(server, "_forked", answered)
@@ -116,10 +115,14 @@ def test_it_serves_until_the_other_end_is_closed(
         serve(theirs)
         assert [json.loads(ours.recv(100))["status"] for _ in range(2)] == [4, 5]
     assert handlers == [(signal.SIGINT, signal.SIG_IGN)]
-    assert len(closed) == 4
-    for one in set(closed):  # nothing is left open
-        with pytest.raises(OSError, match="Bad file"):
-            close(one)
+    assert len(received) == 4
+    ours_only = {os.fstat(one).st_ino for one in files}
+    for one in set(received):  # nothing is left open; a thread may have the number by now
+        try:
+            left = os.fstat(one).st_ino
+        except OSError:
+            continue
+        assert left not in ours_only
 
 
 @pytest.mark.parametrize(
