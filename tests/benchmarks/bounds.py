@@ -177,6 +177,11 @@ def seeds_of(given: argparse.Namespace) -> list[int]:
     return [seed for some in given.seeds for seed in some]
 
 
+def add_jobs(parser: argparse.ArgumentParser) -> None:
+    """Let a benchmark use several processes; set OMP_NUM_THREADS=1 beside it."""
+    parser.add_argument("--jobs", type=count, default=1, help="processes at a time (default: 1)")
+
+
 def add_settings(parser: argparse.ArgumentParser) -> None:
     """Let a benchmark take settings of the mission, as `executive run --set` does."""
     parser.add_argument(

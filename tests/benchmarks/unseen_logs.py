@@ -8,7 +8,7 @@ takes 5 to 60 s for each estimator. The bounds are for the estimator named by --
 import sys
 from collections.abc import Sequence
 
-from bounds import add_seeds, command_line, count, refused, seeds_of, verdict
+from bounds import add_jobs, add_seeds, command_line, count, refused, seeds_of, verdict
 
 USAGE = """
 python tests/benchmarks/unseen_logs.py 1000:1299
@@ -35,6 +35,7 @@ def main(words: Sequence[str] | None = None) -> int:
         "--outage", type=count, metavar="S", help="no fixes for so long from second 30 on [s]"
     )
     parser.add_argument("--each", action="store_true", help="print a line for each log")
+    add_jobs(parser)
     given = parser.parse_args(words)
     if given.held not in given.estimators:
         parser.error(f"--held {given.held} is not among --estimators")
@@ -43,7 +44,12 @@ def main(words: Sequence[str] | None = None) -> int:
 
     with refused(parser):
         found = columns(
-            seeds_of(given), given.estimators, given.duration, given.outage or 0, given.each
+            seeds_of(given),
+            given.estimators,
+            given.duration,
+            given.outage or 0,
+            given.each,
+            given.jobs,
         )
     print(table(found))
     return verdict(figures(found, given.held))

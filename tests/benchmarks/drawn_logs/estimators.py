@@ -12,24 +12,42 @@ from executive.estimate.plugin_making import made
 from executive.estimate.replay import Replay, Replayer
 from executive.interfaces.estimation import Estimator
 from executive.interfaces.recorded_log import RecordedBody
+from executive.logs.log import Arrival
 
 PEER = "plain_smoother"
 
 
+class Run:
+    """An estimator on a log, with the settings that `executive estimate` gives it."""
+
+    def __init__(self, name: str, log: DrawnLog, drops: Sequence[Drop] = ()) -> None:
+        self._estimator = _peer(log) if name == PEER else _installed(name, log)
+        self._estimator.start()
+        self._replayer = Replayer(self._estimator, IMU, drops)
+
+    def feed(self, arrivals: Sequence[Arrival]) -> Replay:
+        """Feed the next measurements; return the states from the first one on."""
+        return self._replayer.run(arrivals, None)
+
+    def close(self) -> str:
+        """End it, and return what it said last of its status."""
+        account = self._estimator.account()
+        self._estimator.close()
+        return account[-1].reason if account else ""
+
+
 def replayed(name: str, log: DrawnLog, drops: Sequence[Drop] = ()) -> tuple[Replay, str]:
-    """Run an estimator, with the settings that `executive estimate` gives it.
+    """Run an estimator on a whole log.
 
     Returns:
         The states, and what the estimator said last of its status.
     """
-    estimator = _peer(log) if name == PEER else _installed(name, log)
-    estimator.start()
+    run = Run(name, log, drops)
     try:
-        replay = Replayer(estimator, IMU, drops).run(log.arrivals, None)
-        account = estimator.account()
+        replay = run.feed(log.arrivals)
     finally:
-        estimator.close()
-    return replay, account[-1].reason if account else ""
+        said = run.close()
+    return replay, said
 
 
 def _peer(log: DrawnLog) -> Estimator:

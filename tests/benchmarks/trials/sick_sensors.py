@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from bounds import Bound, Figure, held
 from drawn_logs.drawn_log import DrawnLog, draw_log
-from drawn_logs.estimators import replayed
+from drawn_logs.estimators import Run
 from drawn_logs.judge import Verdict, judge
 from drawn_logs.sickness import SICKNESSES, Sickness
+from forked import forked
 from scipy.stats import chi2
 
 from executive.arrays import Bool
@@ -52,28 +53,49 @@ def kinds(text: str) -> Mapping[str, Sickness]:
 
 
 def run(
-    chosen: Mapping[str, Sickness], seeds: Sequence[int], estimator: str, is_told: bool
+    chosen: Mapping[str, Sickness],
+    seeds: Sequence[int],
+    estimator: str,
+    is_told: bool,
+    jobs: int = 1,
 ) -> list[Trial]:
-    """Return the outcome of every fault on every seed's log."""
+    """Return the outcome of every fault on every seed's log.
+
+    The faults of a log share its sound beginning: it is replayed once.
+    """
     trials = []
     for seed in seeds:
-        for name, sickness in chosen.items():
-            duration_s = _FROM_S + sickness.lasts_s + _AFTER_S
-            log = draw_log(seed, duration_s, is_sound=True)
-            trials.append(_trial(name, sickness, log, estimator))
+        for trial in _trials(chosen, seed, estimator, jobs):
+            trials.append(trial)
             if is_told:
-                print(_line(trials[-1]), flush=True)
+                print(_line(trial), flush=True)
     return trials
 
 
-def _trial(name: str, sickness: Sickness, log: DrawnLog, estimator: str) -> Trial:
+def _trials(
+    chosen: Mapping[str, Sickness], seed: int, estimator: str, jobs: int
+) -> Iterator[Trial]:
+    longest_s = max(sickness.lasts_s for sickness in chosen.values())
+    log = draw_log(seed, _FROM_S + longest_s + _AFTER_S, is_sound=True)
+    count = sum(arrival.arrival_s < _FROM_S for arrival in log.arrivals)
+    begun = Run(estimator, log)
+    try:
+        begun.feed(log.arrivals[:count])
+        rest = replace(log, arrivals=log.arrivals[count:])
+        yield from forked(lambda one: _trial(*one, rest, begun), chosen.items(), jobs)
+    finally:
+        begun.close()
+
+
+def _trial(name: str, sickness: Sickness, log: DrawnLog, begun: Run) -> Trial:
     gnss, rng = log.gnss, np.random.default_rng(log.seed)
-    sick = replace(log, arrivals=sickness.of(log.arrivals, log.datum, _FROM_S, rng))
+    sick = sickness.of(log.arrivals, log.datum, _FROM_S, rng)
+    until_s = _FROM_S + sickness.lasts_s + _AFTER_S
     allowed_m = float("inf")
     if gnss.is_rtk_fixed and sickness.kind is LidarIncrement:
         allowed_m = 3 * float(np.hypot(np.sqrt(2) * gnss.horizontal_m, gnss.vertical_m)) + 0.02
     try:
-        replay, _ = replayed(estimator, sick)
+        replay = begun.feed([arrival for arrival in sick if arrival.arrival_s <= until_s])
     except Exception as error:  # an estimator that raises is counted as one that fails
         inf = float("inf")
         said = f"{type(error).__name__}: {error}"[:120]

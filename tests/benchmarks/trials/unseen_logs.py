@@ -4,10 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from bounds import Bound, Figure, held
+from bounds import Bound, Figure, held, judged
 from drawn_logs.drawn_log import DrawnLog, draw_log
 from drawn_logs.estimators import PEER, replayed
 from drawn_logs.judge import Verdict, judge
+from forked import forked
 
 from executive.estimate.drop import Drop
 
@@ -51,13 +52,17 @@ def columns(
     duration_s: float,
     outage_s: float,
     is_told: bool,
+    jobs: int = 1,
 ) -> Mapping[str, list[Outcome]]:
     """Return the outcomes of each estimator, in order of the seeds."""
     found: dict[str, list[Outcome]] = {name: [] for name in names}
-    for seed in seeds:
+
+    def of(seed: int) -> list[Outcome]:
         log = draw_log(seed, duration_s)
-        for name in names:
-            outcome = _outcome(name, log, outage_s)
+        return [_outcome(name, log, outage_s) for name in names]
+
+    for outcomes in forked(of, seeds, jobs):
+        for name, outcome in zip(names, outcomes, strict=True):
             found[name].append(outcome)
             if is_told:
                 print(_line(name, outcome), flush=True)
@@ -94,6 +99,15 @@ def _inside(outcomes: Sequence[Outcome]) -> float:
     """Return the median over the logs with a state of the share inside the 95 % bound."""
     shares = [one.verdict.inside for one in outcomes if one.verdict and len(one.verdict.nees)]
     return float(np.median(shares)) if shares else float("nan")
+
+
+def _inside_mostly(name: str, outcomes: Sequence[Outcome]) -> Figure:
+    """Return how many of the logs with a state are inside for 90 % of the time: all must be."""
+    shares = [one.verdict.inside for one in outcomes if one.verdict and len(one.verdict.nees)]
+    hits = sum(share >= _INSIDE.must for share in shares)
+    words = f"{hits} of {len(shares)}, worst {min(shares, default=0.0):.2f}"
+    what = f"{name}: logs that are inside for 90 % of the time"
+    return judged(what, words, "all", bool(shares) and hits == len(shares))
 
 
 def _ratio(mine: Sequence[float], peer: Sequence[float]) -> float:
@@ -141,6 +155,7 @@ def figures(found: Mapping[str, list[Outcome]], name: str) -> list[Figure]:
             f"{_started(mine):.3f} (n = {n})",
         ),
         held(f"{name}: share of time inside the 95 % bound", _inside(mine), _INSIDE),
+        _inside_mostly(name, mine),
     ]
     if PEER in found and name != PEER:
         pairs = {"error": [[one.median_m for one in o] for o in (mine, found[PEER])]}
