@@ -22,7 +22,8 @@ _LEAST_S = 0.2  # a rest of a path that is shorter is not worth a new command
 class FaultyActuator:
     """One fault of one drive: commands are changed before they reach the robot.
 
-    A simulated robot takes the loss of pressure itself: its arm sinks, and its jaws let go.
+    A simulated robot takes the loss of pressure itself: a joint whose machine declares that it
+    holds without pressure stops, any other sinks or coasts, and jaws let go.
     """
 
     def __init__(self, fault: ActuatorFault, machine: Machine) -> None:
@@ -31,6 +32,7 @@ class FaultyActuator:
         self._share = (fault.share or _SLUGGISH_SHARE) if is_sluggish else 0.0
         arm = machine.arm_names if fault.actuator == ARM else (fault.actuator,)
         self._joints = () if fault.actuator == JAWS else arm
+        self._holding = [one.name for one in machine.joints if one.holds_without_pressure]
 
     def begin(self, robot: Robot, command: Callable[[Command], None], way: "Way") -> None:
         """Act on what the robot is doing when the fault begins."""
@@ -70,9 +72,9 @@ class FaultyActuator:
         """Return by how much the worst joint is off a sound one with its lag [rad] or [m].
 
         A sound drive is between the motion that is commanded now and that of its declared lag ago.
-        A sluggish one makes its share of it. A simulated one without pressure does not hold its
-        joint, which goes on at the speed that it had when that began, as long as no other force
-        acts on it.
+        A sluggish one makes its share of it. A joint without pressure stays where it is; one of a
+        simulated robot that does not hold without pressure goes on at the speed that it had when
+        that began, as long as no other force acts on it.
 
         Args:
             robot: The robot, which may take the loss of pressure itself.
@@ -82,8 +84,9 @@ class FaultyActuator:
         commanded = way.commanded(since_s, self._machine.stance.tracking_lag_s)
         if commanded is None:
             return 0.0
-        coasts = isinstance(robot, Breakable) and self.fault.how == "no_pressure"
-        made = commanded.coasted if coasts else self._share * commanded.now
+        is_broken_itself = isinstance(robot, Breakable) and self.fault.how == "no_pressure"
+        coasts = is_broken_itself & ~np.isin(commanded.names, self._holding)
+        made = np.where(coasts, commanded.coasted, self._share * commanded.now)
         low = np.minimum(commanded.now, commanded.lagged)
         high = np.maximum(commanded.now, commanded.lagged)
         is_faulty = np.isin(commanded.names, self._joints)

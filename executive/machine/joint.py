@@ -37,6 +37,11 @@ class Joint(JointLimits, Origin):
     loaded_max_acceleration: float | None = Field(
         None, gt=0, description="Acceleration with a load, if lower."
     )
+    holds_without_pressure: bool = Field(
+        False,
+        description="Whether a valve at its cylinder, or a brake, stops and holds it when its line"
+        " loses pressure.",
+    )
 
     @model_validator(mode="after")
     def _check(self) -> "Joint":

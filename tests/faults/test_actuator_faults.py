@@ -150,5 +150,7 @@ def test_a_drive_withholds_what_a_sound_one_with_its_lag_would_have_made_by_now(
     half, none = faulty("arm", "sluggish"), faulty("arm", "no_pressure")
     assert half.withheld(object(), way, 1.0) == pytest.approx(lagged - 0.5 * SPEED * 4.0)
     assert none.withheld(object(), way, 1.0) == pytest.approx(lagged)
-    assert none.withheld(Weak(), way, 1.0) == pytest.approx(0.0, abs=1e-9)  # it coasts on
+    assert none.withheld(Weak(), way, 1.0) == pytest.approx(lagged)  # a valve or a brake holds it
+    wrist = faulty("J_EE_YAW", "no_pressure")
+    assert wrist.withheld(Weak(), way, 1.0) == pytest.approx(0.0, abs=1e-9)  # it coasts on
     assert half.withheld(object(), way, 5.0) == 0.0

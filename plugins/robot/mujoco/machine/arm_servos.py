@@ -22,6 +22,7 @@ _INTEGRAL_S = 0.4  # time constant that compensates the sag under a stone
 # and jumps when the contact ends.
 _INTEGRAL_PAYLOADS = 1.3
 _INTEGRAL_SHARE = 0.1
+_HELD_IMPEDANCE = 0.9999  # of MuJoCo's friction that stands for a shut valve: 1 is without creep
 
 
 def make_servos(spec: mujoco.MjSpec, machine: Machine, settings: PhysicsSettings) -> None:
@@ -79,6 +80,7 @@ class _Kept(TypedDict):
     """What the next step depends on, besides the state of the simulation."""
 
     sag: Float
+    shares: Float
 
 
 class ArmServos:
@@ -96,6 +98,10 @@ class ArmServos:
         self._lead_s = kv / kp
         self._sag = np.zeros(len(self._ids))
         self._max_sag = _integral_limit(machine) / kp
+        self._shares = np.ones(len(self._ids))  # of its effort that each drive has
+        self._holds = [joint.holds_without_pressure for joint in machine.joints]
+        self._friction = model.dof_frictionloss[self._dofs].copy()
+        self._stiffness = model.dof_solimp[self._dofs].copy()
 
     def position(self) -> Float:
         """Return the true joint positions of the arm, shape (n,)."""
@@ -110,8 +116,21 @@ class ArmServos:
         return np.array(self._data.qfrc_actuator[self._dofs])
 
     def weaken(self, joint: str, share: float) -> None:
-        """Let a joint have only a share of its largest effort from now on; 1 is all of it."""
+        """Let a joint have only a share of its largest effort from now on; 1 is all of it.
+
+        Of a joint that holds without pressure, the valve at its cylinder (or the brake) shuts when
+        all of it is lost. A shut cylinder does no work: it brakes and holds, with at most the
+        largest effort, at which its relief valve opens. The pressure sensors are on the other side
+        of that valve and measure nothing.
+        """
         i = self._names.index(joint)
+        self._shares[i] = share
+        is_shut = share == 0.0 and self._holds[i]
+        dof = self._dofs[i]
+        self._model.dof_frictionloss[dof] = self._max_effort[i] if is_shut else self._friction[i]
+        self._model.dof_solimp[dof] = self._stiffness[i]
+        if is_shut:  # the default friction creeps by 1 cm/s under the arm's weight
+            self._model.dof_solimp[dof, :2] = _HELD_IMPEDANCE
         effort = share * self._max_effort[i]
         self._model.actuator_forcerange[self._ids[i]] = (-effort, effort)
         # The drive carries the weight of the links, too; that is no part of the actuator's force.
@@ -128,8 +147,11 @@ class ArmServos:
 
     def keep(self) -> Mapping[str, object]:
         """Return what the next step depends on, besides the state of the simulation."""
-        return {"sag": self._sag}
+        return {"sag": self._sag, "shares": self._shares.copy()}
 
     def restore(self, kept: Mapping[str, object]) -> None:
         """Take back what `keep` returned."""
-        self._sag = cast(_Kept, kept)["sag"]
+        own = cast(_Kept, kept)
+        self._sag = own["sag"]
+        for name, share in zip(self._names, own["shares"], strict=True):
+            self.weaken(name, float(share))

@@ -27,8 +27,8 @@ def add_friction(spec: mujoco.MjSpec, hydraulics: Hydraulics, machine: Machine) 
         spec.joint(joint.name).frictionloss = hydraulics.friction * joint.max_effort
 
 
-class _Kept(TypedDict):
-    """What the next step depends on, besides the state of the simulation."""
+class _KeptOil(TypedDict):
+    """What the next step depends on, besides the state of the simulation and of the servos."""
 
     oil: Float
     command: Float
@@ -85,6 +85,7 @@ class HydraulicArm(ArmServos):
 
     def keep(self) -> Mapping[str, object]:
         return {
+            **super().keep(),
             "oil": self._oil,
             "command": self._command,
             "count": self._count,
@@ -93,7 +94,8 @@ class HydraulicArm(ArmServos):
         }
 
     def restore(self, kept: Mapping[str, object]) -> None:
-        own = cast(_Kept, kept)
+        super().restore(kept)
+        own = cast(_KeptOil, kept)
         self._oil, self._command, self._count = own["oil"], own["command"], own["count"]
         self._valves.restore(own["valves"])
         self.controller.restore(own["controller"])

@@ -13,8 +13,8 @@ from executive.arrays import Float
 MACHINE = SimpleNamespace(
     arm_names=("a", "b"),
     joints=(
-        SimpleNamespace(name="a", max_effort=100.0),
-        SimpleNamespace(name="b", max_effort=50.0),
+        SimpleNamespace(name="a", max_effort=100.0, holds_without_pressure=True),
+        SimpleNamespace(name="b", max_effort=50.0, holds_without_pressure=False),
     ),
 )
 KP, KV = np.array([1000.0, 250.0]), np.array([100.0, 50.0])
@@ -84,13 +84,20 @@ def arm(monkeypatch: pytest.MonkeyPatch) -> HydraulicArm:
     bias[:, 2] = -KV
     gains = np.column_stack([KP, np.zeros((2, 2))])
     model = Named(
-        opt=SimpleNamespace(timestep=STEP_S), actuator_gainprm=gains, actuator_biasprm=bias
+        opt=SimpleNamespace(timestep=STEP_S),
+        actuator_gainprm=gains,
+        actuator_biasprm=bias,
+        actuator_forcerange=np.zeros((2, 2)),
+        jnt_actfrclimited=np.zeros(2, dtype=bool),
+        jnt_actfrcrange=np.zeros((2, 2)),
+        dof_frictionloss=np.array([3.0, 1.5]),
+        dof_solimp=np.full((2, 5), 0.5),
     )
     data = SimpleNamespace(
         qpos=np.array([0.5, -0.26]), qvel=np.zeros(2), ctrl=np.zeros(2), qfrc_actuator=np.zeros(2)
     )
     made = HydraulicArm(model, data, MACHINE, SimpleNamespace(), np.random.default_rng(0))
-    made.data = data
+    made.data, made.model = data, model
     return made
 
 
@@ -137,6 +144,31 @@ def test_the_controller_runs_once_a_period_of_its_own(arm: HydraulicArm) -> None
     asked = [[51.0 + k, -29.0 + k] for k in (0, 0, 2, 2, 4)]
     assert np.array(arm._valves.asked) == pytest.approx(np.array(asked))
     assert arm.pace(np.array([0.25, 0.5])) == 0.75
+
+
+def test_a_shut_valve_brakes_with_the_effort_at_which_its_relief_valve_opens(
+    arm: HydraulicArm,
+) -> None:
+    """The line has no pressure, so that what its sensor measures, the actuator's force, is none."""
+    for name in ("a", "b"):
+        arm.weaken(name, 0.0)
+    assert arm.model.actuator_forcerange.tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert arm.model.dof_frictionloss.tolist() == [100.0, 1.5]  # the other has no such valve
+    assert arm.model.dof_solimp[:, 0].tolist() == [pytest.approx(1.0, abs=1e-3), 0.5]
+    for name in ("a", "b"):
+        arm.weaken(name, 0.5)  # some of the pressure opens it
+    assert arm.model.dof_frictionloss.tolist() == [3.0, 1.5]
+    assert (arm.model.dof_solimp == 0.5).all()
+    assert arm.model.jnt_actfrcrange.tolist() == [[-50.0, 50.0], [-25.0, 25.0]]
+
+
+def test_a_lost_pressure_is_lost_in_the_world_that_goes_on(arm: HydraulicArm) -> None:
+    arm.weaken("a", 0.0)
+    kept = arm.keep()
+    arm.weaken("a", 1.0)
+    arm.restore(kept)
+    assert arm.model.dof_frictionloss.tolist() == [100.0, 1.5]
+    assert arm.model.jnt_actfrclimited.tolist() == [True, False]
 
 
 def test_it_goes_on_from_what_was_kept(arm: HydraulicArm) -> None:
