@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from bounds import Bound, Figure, held, judged
 
+from executive.arrays import Float
 from executive.clock import wall_s
 from executive.mission.mission import Mission
 from executive.mission.options import Options
@@ -146,8 +147,7 @@ def measured(minutes: int, settled: int) -> list[Figure]:
     intervals = noted.intervals_ms[: noted.count]
     p50, p99, worst = np.percentile(intervals if noted.count else [np.nan], [50, 99, 100])
     late = int((intervals > WORST_MS.must).sum())
-    growth = noted.memory_mb[-1] - noted.memory_mb[settled - 1]
-    words = f"{growth:+.2f} ({noted.memory_mb[settled - 1]:.1f} to {noted.memory_mb[-1]:.1f})"
+    growth, words = _growth(np.array(noted.memory_mb[settled - 1 :]))
     return [
         judged("how it ended", ended, "stopped by the operator", report.outcome == "stopped"),
         Figure("tick interval, median [ms]", f"{p50:.1f} (n = {noted.count})"),
@@ -156,3 +156,15 @@ def measured(minutes: int, settled: int) -> list[Figure]:
         held(f"memory after minute {settled} [MB]", growth, GROWTH_MB, words),
         held("files [MB]", max(noted.files_mb), FILES_MB),
     ]
+
+
+def _growth(memory_mb: Float) -> tuple[float, str]:
+    """Return by how much the memory grew [MB], from the median of the first fifth to the last.
+
+    The free rest of a worker's heap goes up and down by 2 MB from minute to minute, so that two
+    single minutes tell of that rest, too; they are told beside the medians.
+    """
+    fifth = max(1, len(memory_mb) // 5)
+    first, last = np.median(memory_mb[:fifth]), np.median(memory_mb[-fifth:])
+    ends = f"first and last minute {memory_mb[0]:.1f} and {memory_mb[-1]:.1f}"
+    return float(last - first), f"{last - first:+.2f} ({first:.1f} to {last:.1f}; {ends})"
