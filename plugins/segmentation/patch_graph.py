@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import small_gicp
+from numba import njit
 from scipy.spatial import cKDTree
 
 from executive.arrays import Float, Int
@@ -65,13 +66,29 @@ def _normals(points: Float) -> Float:
     return np.array(cloud.normals()[:, :3])
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def _bodies(points: Float, middles: Float, patch_m: float) -> Float:
-    """Return the mean of the points about each patch [m], which lies inside of a stone."""
+    """Return the mean of the points about each patch [m], which lies inside of a stone.
+
+    All points are looked at: there are few.
+    """
     few = points[:: max(len(points) // _FEW, 1)]
-    balls = cKDTree(few).query_ball_point(middles, _BODY * patch_m, return_sorted=True)
-    return np.array(
-        [few[rows].mean(axis=0) if rows else m for rows, m in zip(balls, middles, strict=True)]
-    )
+    square, bodies = (_BODY * patch_m) ** 2, np.empty((len(middles), 3))
+    for m in range(len(middles)):
+        x, y, z, count = 0.0, 0.0, 0.0, 0
+        for n in range(len(few)):
+            u, v, w = (
+                few[n, 0] - middles[m, 0],
+                few[n, 1] - middles[m, 1],
+                few[n, 2] - middles[m, 2],
+            )
+            if u * u + v * v + w * w <= square:
+                x, y, z, count = x + few[n, 0], y + few[n, 1], z + few[n, 2], count + 1
+        if count:
+            bodies[m, 0], bodies[m, 1], bodies[m, 2] = x / count, y / count, z / count
+        else:
+            bodies[m] = middles[m]
+    return bodies
 
 
 def _oriented(points: Float, normals: Float, bodies: Float) -> Float:

@@ -13,33 +13,32 @@ _AXES = np.eye(3)
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def moments(points: Float) -> tuple[Float, Float]:
     """Return the mean, shape (3,), and the scatter about it, shape (3, 3)."""
-    mean, scatter = np.zeros(3), np.zeros((3, 3))
+    x, y, z = 0.0, 0.0, 0.0
     for i in range(len(points)):
-        mean += points[i]
-    mean /= max(len(points), 1)
+        x, y, z = x + points[i, 0], y + points[i, 1], z + points[i, 2]
+    count = max(len(points), 1)
+    mean = np.array([x / count, y / count, z / count])
+    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(len(points)):
         x, y, z = points[i, 0] - mean[0], points[i, 1] - mean[1], points[i, 2] - mean[2]
-        scatter[0, 0] += x * x
-        scatter[0, 1] += x * y
-        scatter[0, 2] += x * z
-        scatter[1, 1] += y * y
-        scatter[1, 2] += y * z
-        scatter[2, 2] += z * z
-    scatter[1, 0], scatter[2, 0], scatter[2, 1] = scatter[0, 1], scatter[0, 2], scatter[1, 2]
-    return mean, scatter
+        xx, xy, xz = xx + x * x, xy + x * y, xz + x * z
+        yy, yz, zz = yy + y * y, yz + y * z, zz + z * z
+    return mean, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def spans(points: Float, axes: Float = _AXES) -> Float:
     """Return the extents along axes, given as columns [m], shape (3,)."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for i in range(len(points)):
-        for a in range(3):
-            along = (
-                points[i, 0] * axes[0, a] + points[i, 1] * axes[1, a] + points[i, 2] * axes[2, a]
-            )
-            low[a], high[a] = min(low[a], along), max(high[a], along)
-    extents: Float = high - low
+    extents = np.zeros(3)
+    if not len(points):
+        return extents - np.inf
+    for a in range(3):
+        u, v, w = axes[0, a], axes[1, a], axes[2, a]
+        low, high = np.inf, -np.inf
+        for i in range(len(points)):
+            along = points[i, 0] * u + points[i, 1] * v + points[i, 2] * w
+            low, high = low if low < along else along, high if high > along else along
+        extents[a] = high - low
     return extents
 
 

@@ -7,16 +7,18 @@ cuts"; here they are judged by both hulls and not by the angles at the seam.
 """
 
 import numpy as np
+import small_gicp
 from numba import njit
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float
 
 Single = NDArray[np.float32]  # half the memory of float64, twice as fast
+Narrow = NDArray[np.int32]
 _NEIGHBOURS = 12  # patches that a normal is fitted to: itself and those about it
 _NORMALS = 64  # axes along normals, as different from each other as possible
 _AXES = 20  # axes to all sides, for edges
+_MOST = np.iinfo(np.int32).max
 _ASKED = 120  # patches by which cuts are judged
 _WAYS = 24  # directions of the first cuts
 _CUTS = 7  # places of the first cuts along each direction
@@ -31,10 +33,10 @@ def axes_of(patches: Float) -> Float:
     """Return the axes along which hulls are measured: normals of the surface, and to all sides,
     shape (K, 3).
     """
-    near = patches[cKDTree(patches).query(patches, k=min(_NEIGHBOURS, len(patches)))[1]]
-    near = near - near.mean(axis=1, keepdims=True)
-    normals = np.linalg.eigh(np.einsum("nki,nkj->nij", near, near))[1][:, :, 0]
-    return np.vstack([_different(np.ascontiguousarray(normals), _NORMALS), half_sphere(_AXES)])
+    cloud = small_gicp.PointCloud(patches)
+    small_gicp.estimate_normals(cloud, num_neighbors=_NEIGHBOURS)
+    normals = np.array(cloud.normals()[:, :3], order="C")
+    return np.vstack([_different(normals, _NORMALS), half_sphere(_AXES)])
 
 
 def depths_under_hulls(patches: Float, axes: Float, is_beyond: Bool) -> Float:
@@ -65,7 +67,10 @@ def best_cut(patches: Float, axes: Float, rng: np.random.Generator) -> Bool:
     """
     centre = patches.mean(axis=0)
     level = patches[:: max(len(patches) // _ASKED, 1)] - centre
-    along = np.ascontiguousarray((level @ axes.T).astype(np.float32))
+    # Patches deep under the hull of all come first: most cuts leave them deep, and are given up.
+    level = level[np.argsort(-depths_under_hulls(level, axes, np.zeros(len(level), dtype=bool)))]
+    along = (level @ axes.T).astype(np.float32)
+    along = np.ascontiguousarray(along - along.min(axis=0))
     longest_m = float(np.ptp(level, axis=0).max())
     planes = _first_planes(level)
     depths = _judged(level, along, planes)
@@ -99,10 +104,17 @@ def _first_planes(level: Float) -> Float:
 
 
 def _judged(level: Float, along: Single, planes: Float) -> Float:
+    """Return the mean depth under two hulls that each plane leaves [m], shape (M,); inf for planes
+    that cut off little, and for those that are not among the best.
+    """
     sides = np.ascontiguousarray(planes[:, :3] @ level.T > planes[:, 3:])
     share = sides.mean(axis=1)
     is_cut = np.minimum(share, 1 - share) >= 0.9 * _OUTERMOST
-    return np.where(is_cut, _depths(along, sides.view(np.uint8)), np.inf)
+    depths = np.full(len(planes), np.inf)
+    cuts = sides[is_cut].view(np.uint8)
+    ends = _ends(along.view(np.int32), cuts).view(np.float32)
+    depths[is_cut] = _depths(along, ends, cuts, _BEST)
+    return depths
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -126,28 +138,60 @@ def _different(normals: Float, count: int) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _depths(along: Single, sides: NDArray[np.uint8]) -> Float:
-    """Return the mean depth of patches under the hulls of their sides, shape (M,)."""
-    patches, axes = along.shape
-    found = np.empty(len(sides))
-    high, low = np.empty((2, axes), dtype=np.float32), np.empty((2, axes), dtype=np.float32)
+def _ends(places: Narrow, sides: NDArray[np.uint8]) -> Narrow:
+    """Return the highest places of both sides of each cut along the axes, then the lowest of both,
+    shape (M, 4, K).
+
+    Places are the bits of numbers that are not negative, which have the same order: compilers take
+    the largest of several whole numbers at once, not of several fractions.
+    """
+    ends = np.empty((len(sides), 4, places.shape[1]), dtype=np.int32)
     for k in range(len(sides)):
-        high[:], low[:] = -np.inf, np.inf
+        ends[k, :2], ends[k, 2:] = 0, _MOST
+        for i in range(len(places)):
+            side = sides[k, i]
+            for a in range(places.shape[1]):
+                ends[k, side, a] = max(ends[k, side, a], places[i, a])
+            for a in range(places.shape[1]):
+                ends[k, 2 + side, a] = min(ends[k, 2 + side, a], places[i, a])
+    return ends
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _depths(along: Single, ends: Single, sides: NDArray[np.uint8], kept: int) -> Float:
+    """Return the mean depth of patches under the hulls of their sides, shape (M,); inf for cuts
+    that are known not to be among the best.
+
+    Args:
+        along: Places of the patches along the axes [m], shape (N, K).
+        ends: What `_ends` returned [m], shape (M, 4, K).
+        sides: On which side of each cut the patches are, 0 or 1, shape (M, N).
+        kept: How many of the best cuts are asked for.
+    """
+    patches, axes = along.shape
+    found, least = np.full(len(sides), np.inf), np.full(kept, np.inf)
+    depths = np.empty(axes, dtype=np.float32)
+    bits = depths.view(np.int32)
+    for k in range(len(sides)):
+        total, most = 0.0, least[-1] * patches
         for i in range(patches):
-            top, bottom = high[sides[k, i]], low[sides[k, i]]
+            here, top, bottom = along[i], ends[k, sides[k, i]], ends[k, 2 + sides[k, i]]
             for a in range(axes):
-                value = along[i, a]
-                top[a] = value if value > top[a] else top[a]
-                bottom[a] = value if value < bottom[a] else bottom[a]
-        total = 0.0
-        for i in range(patches):
-            top, bottom = high[sides[k, i]], low[sides[k, i]]
-            depth = np.float32(np.inf)
+                up, down = top[a] - here[a], here[a] - bottom[a]
+                depths[a] = up if up < down else down
+            smallest = bits[0]
             for a in range(axes):
-                value = along[i, a]
-                up, down = top[a] - value, value - bottom[a]
-                up = up if up < down else down
-                depth = up if up < depth else depth
-            total += float(depth)
+                smallest = min(smallest, bits[a])
+            bits[0] = smallest
+            total += depths[0]
+            if total > most:
+                break
+        if total > most:
+            continue
         found[k] = total / patches
+        place = kept - 1
+        while place > 0 and least[place - 1] > found[k]:
+            least[place] = least[place - 1]
+            place -= 1
+        least[place] = min(least[place], found[k])
     return found

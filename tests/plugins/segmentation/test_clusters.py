@@ -50,3 +50,14 @@ def test_groups_do_not_join() -> None:
     points = np.column_stack([np.arange(0, 1, 0.02), np.zeros((50, 2))])
     groups = (points[:, 0] > 0.49).astype(np.int64)
     np.testing.assert_array_equal(clusters_within(points, groups, 0.05) > 0, groups > 0)
+
+
+def test_a_wide_box_gives_the_clusters_of_a_small_one() -> None:
+    """One point far away makes the box too large for a table of all its voxels."""
+    points = np.random.default_rng(1).uniform(0, 2, (600, 3))
+    near = connected_clusters(points, 0.12)
+    far = connected_clusters(np.vstack([points, [9000.0, -7000.0, 300.0]]), 0.12)
+    shifted = connected_clusters(np.vstack([points - points.min(axis=0), [9e3, 7e3, 3e2]]), 0.12)
+    assert far[-1] == far[:-1].max() + 1
+    np.testing.assert_array_equal(shifted[:-1], near)
+    assert 1 < len(partition(near)) < 600

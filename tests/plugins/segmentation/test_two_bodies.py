@@ -15,6 +15,7 @@ from executive_plugins.segmentation.two_bodies import (
 from executive.arrays import Float
 
 SHARE = 0.08  # of the patches beyond the outermost cut
+BEST = 4  # cuts that are moved
 
 
 def cloud(count: int, seed: int = 0) -> Float:
@@ -51,17 +52,20 @@ def test_a_cut_is_judged_by_the_mean_depth_under_the_hulls_of_its_sides(seed: in
     patches = cloud(60, seed)
     level = patches - patches.mean(axis=0)
     axes = half_sphere(12)
-    along = np.ascontiguousarray((level @ axes.T).astype(np.float32))
-    planes = np.column_stack([half_sphere(9), np.linspace(-1.5, 1.5, 9)])
-    found = _judged(level, along, planes)
-    for depth, plane in zip(found, planes, strict=True):
+    along = level @ axes.T
+    along = np.ascontiguousarray((along - along.min(axis=0)).astype(np.float32))
+    planes = np.column_stack([half_sphere(19), np.linspace(-1.5, 1.5, 19)])
+    found, expected = _judged(level, along, planes), np.full(19, np.inf)
+    for number, plane in enumerate(planes):
         is_beyond = level @ plane[:3] > plane[3]
-        if min(is_beyond.mean(), 1 - is_beyond.mean()) < 0.9 * SHARE:
-            assert depth == np.inf
-        else:
-            expected = depths_under_hulls(patches, axes, is_beyond).mean()
-            assert depth == pytest.approx(expected, abs=1e-5)
-    assert 0 < np.isfinite(found).sum() < 9
+        if min(is_beyond.mean(), 1 - is_beyond.mean()) >= 0.9 * SHARE:
+            expected[number] = depths_under_hulls(patches, axes, is_beyond).mean()
+    is_told = np.isfinite(found)  # others are not among the best, and are given up
+    np.testing.assert_allclose(found[is_told], expected[is_told], atol=1e-5)
+    best = np.argsort(expected)[:BEST]
+    assert is_told[best].all()
+    np.testing.assert_array_equal(np.argsort(found)[:BEST], best)
+    assert np.isfinite(expected).sum() > is_told.sum()
 
 
 def test_depths_are_those_under_the_nearest_face_of_a_box() -> None:
