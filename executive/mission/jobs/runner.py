@@ -13,6 +13,7 @@ from executive.mission.jobs.alarm import Overdue, alarm
 from executive.mission.jobs.call import Address, FunctionCall, VerbCall, VerbOverdueError
 from executive.mission.jobs.notes import activity_of
 from executive.mission.jobs.patience import Patience
+from executive.mission.jobs.processor_time import ready_s
 from executive.mission.jobs.stack import frames_of, place_among
 from executive.supervision.beacon import beacon
 
@@ -46,9 +47,16 @@ class Task:
         """Whether another process computes it, on the wall clock."""
         return self.plugin.is_remote and not self.counts_computing
 
-    def patience(self, spent_s: Callable[[], float]) -> Patience:
-        """Return how long to wait, from now on, given what tells its processor time so far [s]."""
-        return Patience(self.limit_s, spent_s if self.counts_computing else None)
+    def patience(
+        self, spent_s: Callable[[], float], ready_s: Callable[[], float] = ready_s
+    ) -> Patience:
+        """Return how long to wait, from now on.
+
+        Args:
+            spent_s: Tells the processor time so far of what computes it [s].
+            ready_s: Tells how long that has waited for a core [s]; the main thread by default.
+        """
+        return Patience(self.limit_s, spent_s if self.counts_computing else None, ready_s)
 
     def overdue(self, reason: str, place: str, trace: str) -> VerbOverdueError:
         """Return the error of a call that took longer than its limit, why, and where it was."""

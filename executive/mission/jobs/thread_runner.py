@@ -8,6 +8,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from executive.mission.jobs.patience import Patience
+from executive.mission.jobs.processor_time import ready_s
 from executive.mission.jobs.runner import InlineRunner, Runner, Task, noted
 from executive.mission.jobs.stack import frames_of_thread, place_among
 from executive.supervision.beacon import beacon
@@ -91,7 +92,8 @@ class OneThread(Runner):
     def _compute(self, task: Task, future: Future[Any]) -> None:
         number = threading.get_ident()
         clock = time.pthread_getcpuclockid(number)
-        patience = task.patience(lambda: time.clock_gettime(clock))
+        native = threading.get_native_id()
+        patience = task.patience(lambda: time.clock_gettime(clock), lambda: ready_s(thread=native))
         self._look_after(patience.limit_s, patience, task, future, number)
         with contextlib.suppress(InvalidStateError):  # the call was given up in the meantime
             try:

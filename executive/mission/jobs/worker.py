@@ -122,7 +122,7 @@ class Worker:
     def _ask(self, task: Task, request: bytes) -> Any:
         """Return what the verb returned in the process, or raise what it raised there."""
         process = self._started()
-        patience = task.patience(process.spent_s)
+        patience = task.patience(process.spent_s, process.ready_s)
         try:
             raw = process.ask(request, patience)
         except TimeoutError:

@@ -17,6 +17,7 @@ from executive.clock import wall_s
 from executive.mission.assembly import Selections
 from executive.mission.jobs.limits import Limits
 from executive.mission.jobs.patience import Patience
+from executive.mission.jobs.processor_time import ready_s
 from executive.mission.jobs.serving import serve
 
 _DUMP_S = 0.2  # for the call stack of a process that hangs to be written; it takes 1 ms
@@ -87,6 +88,10 @@ class WorkerProcess:
             spent = psutil.Process(self._process.pid).cpu_times()
             self._spent_s = float(spent.user + spent.system)
         return self._spent_s
+
+    def ready_s(self) -> float:
+        """Return for how long the process has waited for a core so far [s]."""
+        return ready_s(self._process.pid) if self._process.pid else 0.0
 
     def stopped(self) -> str:
         """Return that a signal has stopped the process, and the cure; empty if none has."""

@@ -10,14 +10,15 @@ from executive.mission.jobs.patience import Patience
 
 
 class Computer:
-    """Its clock on the wall, and the processor time that one call has got [s]."""
+    """Its clock on the wall, and for how long one call has had a core, or waited for one [s]."""
 
     def __init__(self) -> None:
-        self.wall_s = self.spent_s = 0.0
+        self.wall_s = self.spent_s = self.ready_s = 0.0
 
-    def compute(self, wall_s: float, share: float) -> None:
+    def compute(self, wall_s: float, share: float, ready: float = 0.0) -> None:
         self.wall_s += wall_s
         self.spent_s += share * wall_s
+        self.ready_s += ready * wall_s
 
 
 @pytest.fixture
@@ -49,6 +50,17 @@ def test_a_call_on_a_busy_computer_is_awaited_until_it_has_computed_for_its_limi
 def test_a_call_that_does_not_compute_is_overdue_at_once(computer: Computer) -> None:
     waited = Patience(30.0, lambda: computer.spent_s)
     computer.compute(30.0, 0.01)  # it sleeps, and wakes now and then
+    assert waited.more_s() == 0.0
+
+
+def test_a_call_that_waits_for_a_core_is_not_idle(computer: Computer) -> None:
+    """Other processes go first; they had the cores for a minute."""
+    waited = Patience(30.0, lambda: computer.spent_s, lambda: computer.ready_s)
+    for _ in range(2):
+        computer.compute(30.0, 0.01, ready=0.99)
+        wait_s = waited.more_s()
+        assert 29.0 < wait_s < 30.0
+    computer.compute(wait_s, 0.01, ready=0.01)
     assert waited.more_s() == 0.0
 
 

@@ -25,7 +25,7 @@ class Process:
 
     def __init__(self, *script: Any, start: BaseException | None = None) -> None:
         self.script, self.fails, self.is_killed, self.lives = list(script), start, False, True
-        self.spent_s = lambda: 0.0
+        self.spent_s = self.ready_s = lambda: 0.0
 
     def start(self) -> None:
         if self.fails is not None:
@@ -63,7 +63,7 @@ class Stand:
         return self.worker.submit(task_of(verb))
 
 
-def task_of(verb: str = "move", patience: Any = lambda spent_s: None) -> Any:
+def task_of(verb: str = "move", patience: Any = lambda spent_s, ready_s: None) -> Any:
     return SimpleNamespace(
         call=SimpleNamespace(verb=verb),
         plugin=object(),
@@ -170,7 +170,9 @@ def test_an_answer_that_is_late_twice_is_told_with_what_the_process_did() -> Non
         found.append((reason, place, dump))
         return VerbOverdueError(reason)
 
-    task = task_of(patience=lambda spent_s: SimpleNamespace(told=lambda: "no answer in 2 s"))
+    task = task_of(
+        patience=lambda spent_s, ready_s: SimpleNamespace(told=lambda: "no answer in 2 s")
+    )
     task.overdue = overdue
     with pytest.raises(VerbOverdueError, match="stopped by a signal"):
         stand.worker.submit(task).result(PATIENCE_S)

@@ -175,6 +175,8 @@ def test_processor_time_is_that_of_user_and_system(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(worker_process.psutil, "Process", gone)
     assert one.spent_s() == 1.75  # the last one that was seen
+    monkeypatch.setattr(worker_process, "ready_s", lambda process: 0.5 * process)
+    assert one.ready_s() == 0.5 * one._process.pid
     assert one.stopped() == ""
 
 
