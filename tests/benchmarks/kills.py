@@ -2,6 +2,8 @@
 
 No stone may be lost, doubled, dropped or misplaced. The machine is one without physics. A kill
 takes about three seconds of one core, with its share of the missions; ten minutes for 200.
+With `--simulated` each mission runs in the simulated world, once with two kills and once without:
+about three minutes of one core.
 """
 
 import sys
@@ -24,7 +26,7 @@ def main(words: Sequence[str] | None = None) -> int:
         "--simulated",
         type=count,
         metavar="SEED",
-        help="kill a carry in the simulated world, of this seed, instead",
+        help="kill missions in the simulated world instead, of this seed and those after it",
     )
     given = parser.parse_args(words)
 

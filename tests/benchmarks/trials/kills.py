@@ -3,6 +3,7 @@
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,12 @@ from bounds import Bound, Figure, held
 
 from executive.interfaces.report import MissionReport
 
-CARRY = Path(__file__).parents[3] / "docs" / "campaigns" / "missions" / "faulty_carry.yaml"
+PICK = Path(__file__).with_name("killed_pick.yaml")
 NEAR_M = 0.3  # of its slot, and of its pose in the database
 TOY = Path(__file__).parents[2] / "mission" / "resume" / "toy"
 MOST_KILLS = 6  # of one mission; a mission costs as much time as four kills
 NONE = Bound(0)
+FALL = "a stone fell"
 
 
 def measured(wanted: int, seed: int) -> list[Figure]:
@@ -47,25 +49,60 @@ def measured(wanted: int, seed: int) -> list[Figure]:
     return [*figures, held(what, wrong, NONE, f"{wrong} of {missions} ({done} kills)")]
 
 
-def in_simulation(wanted: int, seed: int, mission_seed: int) -> list[Figure]:
-    """Kill a mission in the simulated world, whose truth says what became of its stone."""
+def in_simulation(wanted: int, seed: int, first_seed: int) -> list[Figure]:
+    """Kill missions in the simulated world, each of a seed of its own, and run it without kills.
+
+    Its truth says where the stone is in the end. A grasp may fail without a kill, too, and the
+    mission tries again; so stones that fell on the way are told beside those without a kill.
+    """
     sys.path.insert(0, str(TOY))
     import kills
 
-    rng, done, missions, wrong = np.random.default_rng(seed), 0, 0, 0
+    rng, done, ends = np.random.default_rng(seed), 0, _Ends()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "run"
-        whole = kills.trial(CARRY, folder, [], mission_seed, complaints_of)
-        alone = "; ".join(whole["complaints"]) or "none"
-        figures = [held("complaints without a kill", len(whole["complaints"]), NONE, alone)]
-        while done < wanted and not whole["complaints"]:
+        while done < wanted:
+            mission_seed = first_seed + ends.missions
+            whole = kills.trial(PICK, folder, [], mission_seed, complaints_of)
             points = [kills.Kill.drawn(rng, whole["counts"]) for _ in range(2)]
-            found = kills.trial(CARRY, folder, points, mission_seed, complaints_of)
-            done, missions = done + found["kills"], missions + 1
-            wrong += bool(found["complaints"])
-            print(f"{done} kills, {missions} missions: {points} {found['complaints']}", flush=True)
-    what = "simulated missions with a stone lost, doubled, dropped or misplaced"
-    return [*figures, held(what, wrong, NONE, f"{wrong} of {missions} ({done} kills)")]
+            found = kills.trial(PICK, folder, points, mission_seed, complaints_of)
+            done += found["kills"]
+            ends.count(whole["complaints"], found["complaints"])
+            print(f"seed {mission_seed}, without a kill: {whole['complaints']}", flush=True)
+            print(f"{done} kills, {points}: {found['complaints']}", flush=True)
+    return ends.figures(done)
+
+
+@dataclass
+class _Ends:
+    """What became of missions without and with kills."""
+
+    are_wrong: list[tuple[bool, bool]] = field(default_factory=list)
+    have_falls: list[tuple[bool, bool]] = field(default_factory=list)
+
+    @property
+    def missions(self) -> int:
+        return len(self.are_wrong)
+
+    def count(self, alone: list[str], killed: list[str]) -> None:
+        self.are_wrong.append((bool({*alone} - {FALL}), bool({*killed} - {FALL})))
+        self.have_falls.append((FALL in alone, FALL in killed))
+
+    def figures(self, kills: int) -> list[Figure]:
+        by_kills = sum(killed and not alone for alone, killed in self.are_wrong)
+        what = "simulated missions with a stone lost, doubled or misplaced in the end"
+        return [
+            held(f"{what}, and not without a kill", by_kills, NONE, self._of(by_kills, kills)),
+            Figure(what, self._beside(self.are_wrong)),
+            Figure("simulated missions in which a stone fell", self._beside(self.have_falls)),
+        ]
+
+    def _of(self, count: int, kills: int) -> str:
+        return f"{count} of {self.missions} ({kills} kills)"
+
+    def _beside(self, found: list[tuple[bool, bool]]) -> str:
+        alone, killed = (sum(one[i] for one in found) for i in (0, 1))
+        return f"{killed} of {self.missions}; {alone} without a kill"
 
 
 def complaints_of(_robot: object, stones: Sequence[Any], report: MissionReport) -> list[str]:
@@ -81,4 +118,4 @@ def complaints_of(_robot: object, stones: Sequence[Any], report: MissionReport) 
     for one in report.truth.stones:
         errors = {"slot": one.slot_error_m, "database": one.database_error_m}
         found += [f"{key} {e} m" for key, e in errors.items() if e is None or e > NEAR_M]
-    return found + ["a stone fell" for one in report.truth.grasps if one.dropped]
+    return found + [FALL for one in report.truth.grasps if one.dropped]
