@@ -18,7 +18,7 @@ class HasArrivedSettings(Settings):
         0.1, ge=0, le=1, description="Largest horizontal distance from the placement [m]."
     )
     above: Meters = Field(
-        0.25, ge=0, le=1, description="Largest height above it [m]: the stone met the ground early."
+        0.25, ge=0, le=5, description="Largest height above it [m]: the stone met the ground early."
     )
 
 
@@ -26,7 +26,8 @@ class HasArrived(Condition[HasArrivedSettings]):
     """Succeed if the gripper is at the placement and the stone has not fallen.
 
     A stone that reaches lower than its model shows meets the ground early and shifts in the jaws,
-    which the monitors report as a slip; it has arrived all the same.
+    which the monitors report as a slip; it has arrived all the same. With a larger `above` this
+    asks whether the stone is over its place, and can be set down there.
     """
 
     needs = (Monitor,)

@@ -76,7 +76,7 @@ class StoneGrasped(Event):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArrivedEarly(Event):
-    """A held stone met the ground before the motion's end, near enough to its placement.
+    """A motion with a held stone was cut short near enough to its placement, or straight above it.
 
     Attributes:
         aside_m: Horizontal distance from the placement [m].

@@ -173,6 +173,30 @@ def test_a_stone_for_which_the_ground_never_comes_is_set_down_below(command_line
     assert answer.status == 0, answer.err
 
 
+@pytest.mark.parametrize(
+    ("arrivals", "placed"),
+    [
+        ("[failure, success, success]", True),  # it slips above its place
+        ("[failure, success, failure]", False),  # it falls while it is lowered there
+        ("failure", False),  # it slips elsewhere
+    ],
+)
+def test_a_stone_that_slips_above_its_place_is_set_down_there(
+    command_line, tmp_path, arrivals, placed
+):
+    visited = "LowerUntilDown, VerifyPlacement" if placed else "let_go, look_again"
+    other = "let_go, look_again" if placed else "LowerUntilDown, VerifyPlacement"
+    answer = rehearsed(
+        command_line, tmp_path,
+        "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
+        "  SeeHeld: success", "  DetectSlip: [success, failure]",
+        f"  HasArrived: {arrivals}", "  IsHolding: success", "  IsHanging: failure",
+        "  VerifyPlacement: success",
+        "expect:", f"  visited: [{visited}]", f"  not_visited: [{other}]",
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+
+
 COURSES = """api: 1
 mocks:
   StonesThatMatch: {status: success, outputs: {matching: [1, 2], matching_stones: []}}
