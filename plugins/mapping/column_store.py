@@ -130,7 +130,7 @@ def _mark_all(marks: Marks, spans: Int) -> None:  # pragma: no cover - compiled
     """Mark all columns but those at the rim, which have no neighbours and stay empty."""
     marks[:] = 0
     for i in range(1, spans[0] - 1):
-        marks[i * spans[1] + 1 : (i + 1) * spans[1] - 1] = SMOOTH | BIN
+        marks[i * spans[1] + 1 : (i + 1) * spans[1] - 1] = SMOOTH
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
@@ -185,11 +185,10 @@ def refresh(  # noqa: C901 - a call that hands the arrays on costs more than the
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _mark(marks: Marks, c: int, across: int) -> None:  # pragma: no cover - compiled
-    """Smooth a column and those beside it anew; a smoothed point may reach the next beside them."""
-    for di in range(-2, 3):
-        for dj in range(-2, 3):
-            is_near = abs(di) < 2 and abs(dj) < 2
-            marks[c + di * across + dj] |= SMOOTH | BIN if is_near else BIN
+    """Smooth a column and those beside it anew."""
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            marks[c + di * across + dj] |= SMOOTH
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]

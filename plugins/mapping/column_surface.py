@@ -8,7 +8,7 @@ leaves one. The cost: sharp edges are rounded by about a centimetre.
 from typing import NamedTuple
 
 import numpy as np
-from executive_plugins.mapping.column_store import BIN, BITS, SMOOTH, Columns, Pool
+from executive_plugins.mapping.column_store import BIN, BITS, SMOOTH, Columns, Narrow, Pool
 from numba import njit
 
 from executive.arrays import Float, Int
@@ -37,22 +37,25 @@ class Choice(NamedTuple):
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def smooth(columns: Columns, pool: Pool, choice: Choice) -> None:  # pragma: no cover - compiled
-    """Smooth the marked columns anew, from the lowest voxel up, beside their eight neighbours.
+def smooth(  # noqa: C901 - a call that hands the arrays on costs more than the work
+    columns: Columns, pool: Pool, choice: Choice
+) -> None:  # pragma: no cover - compiled
+    """Smooth the occupied voxels of marked columns anew, from the lowest up, beside their eight
+    neighbours.
 
-    A mean moves towards its neighbours' means, weighted by their points and their nearness.
+    A mean moves towards its neighbours' means, weighted by their points and their nearness. The
+    columns into which its points fall, or fell before, are marked to be thinned anew.
     """
-    across, marks = columns.spans[1], columns.marks
+    across, marks, sends = columns.spans[1], columns.marks, columns.sends
     first, held = columns.first, columns.held
     heights, counts, means, moved = pool.heights, pool.counts, pool.means, pool.moved
-    square, memory = choice.reach_m * choice.reach_m, choice.memory
+    is_smoothed, memory = choice.reach_m > 0.0, choice.memory
+    per_square = 1.0 / (choice.reach_m * choice.reach_m) if is_smoothed else 0.0
     starts, ends = np.empty(9, dtype=np.int64), np.empty(9, dtype=np.int64)
     for c in range(len(held)):
-        if not marks[c] & SMOOTH or held[c] == 0:
+        if not marks[c] & SMOOTH:
             continue
-        if square == 0.0:
-            moved[first[c] : first[c] + held[c]] = means[first[c] : first[c] + held[c]]
-            continue
+        marks[c] &= BIN
         used = 0
         for k in range(9):
             beside = c + (k // 3 - 1) * across + k % 3 - 1
@@ -60,7 +63,12 @@ def smooth(columns: Columns, pool: Pool, choice: Choice) -> None:  # pragma: no 
                 starts[used], ends[used] = first[beside], first[beside] + held[beside]
                 used += 1
         for n in range(first[c], first[c] + held[c]):
+            if counts[n] < choice.least:
+                continue  # it gives no point
             here_x, here_y, here_z = means[n, 0], means[n, 1], means[n, 2]
+            moved[n, 0], moved[n, 1], moved[n, 2] = here_x, here_y, here_z
+            if not is_smoothed:
+                continue
             lowest, highest = heights[n] - 1, heights[n] + 1
             x, y, z, total = 0.0, 0.0, 0.0, 0.0
             for k in range(used):
@@ -70,49 +78,58 @@ def smooth(columns: Columns, pool: Pool, choice: Choice) -> None:  # pragma: no 
                 starts[k] = at
                 while at < end and heights[at] <= highest:
                     dx, dy, dz = means[at, 0] - here_x, means[at, 1] - here_y, means[at, 2] - here_z
-                    nearness = 1.0 - (dx * dx + dy * dy + dz * dz) / square
-                    weight = min(counts[at], memory) * max(nearness, 0.0)
-                    x += weight * dx
-                    y += weight * dy
-                    z += weight * dz
-                    total += weight
+                    nearness = 1.0 - (dx * dx + dy * dy + dz * dz) * per_square
+                    if nearness > 0.0:
+                        weight = min(counts[at], memory) * nearness
+                        x += weight * dx
+                        y += weight * dy
+                        z += weight * dz
+                        total += weight
                     at += 1
-            moved[n, 0] = here_x + x / total
-            moved[n, 1] = here_y + y / total
-            moved[n, 2] = here_z + z / total
-    _settle(columns, pool, choice)
+            moved[n, 0] += x / total
+            moved[n, 1] += y / total
+            moved[n, 2] += z / total
+        before = sends[c]
+        sends[c] = _settled(c, columns, pool, choice)
+        for k in range(9):
+            if (before | sends[c]) >> k & 1:
+                marks[c + (k // 3 - 1) * across + k % 3 - 1] |= BIN
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def _settle(columns: Columns, pool: Pool, choice: Choice) -> None:  # pragma: no cover - compiled
-    """Find the voxels into which the smoothed points fall: their own or one beside it."""
+def _settled(
+    c: int, columns: Columns, pool: Pool, choice: Choice
+) -> int:  # pragma: no cover - compiled
+    """Find the voxels into which a column's smoothed points fall: their own or one beside it.
+
+    Returns:
+        The columns that get some; see `Columns.sends`.
+    """
     moved, counts, cells, into = pool.moved, pool.counts, pool.cells, pool.beside
     voxel_m, centre, square = choice.voxel_m, choice.centre_map, choice.radius_m**2
-    low_i, low_j, across = columns.low[0] - _HALF, columns.low[1] - _HALF, columns.spans[1]
-    for c in range(len(columns.held)):
-        if not columns.marks[c] & SMOOTH:
+    own_i = c // columns.spans[1] + columns.low[0] - _HALF
+    own_j = c % columns.spans[1] + columns.low[1] - _HALF
+    sends = 0
+    for n in range(columns.first[c], columns.first[c] + columns.held[c]):
+        into[n] = -1
+        if counts[n] < choice.least:
             continue
-        own_i, own_j = c // across + low_i, c % across + low_j
-        sends = 0
-        for n in range(columns.first[c], columns.first[c] + columns.held[c]):
-            x, y, z = moved[n, 0], moved[n, 1], moved[n, 2]
-            cells[n] = int(np.floor(z / voxel_m)) + _HALF
-            di, dj = int(np.floor(x / voxel_m)) - own_i, int(np.floor(y / voxel_m)) - own_j
-            di, dj = min(max(di, -1), 1), min(max(dj, -1), 1)  # farther only by rounding
-            dx, dy, dz = x - centre[0], y - centre[1], z - centre[2]
-            is_in = dx * dx + dy * dy < square and abs(dz) < choice.radius_m
-            is_kept = is_in and counts[n] >= choice.least
-            into[n] = 3 * (di + 1) + dj + 1 if is_kept else -1
-            if is_kept:
-                sends |= 1 << into[n]
-        columns.sends[c] = sends
+        x, y, z = moved[n, 0], moved[n, 1], moved[n, 2]
+        cells[n] = int(np.floor(z / voxel_m)) + _HALF
+        di, dj = int(np.floor(x / voxel_m)) - own_i, int(np.floor(y / voxel_m)) - own_j
+        di, dj = min(max(di, -1), 1), min(max(dj, -1), 1)  # farther only by rounding
+        dx, dy, dz = x - centre[0], y - centre[1], z - centre[2]
+        if dx * dx + dy * dy < square and abs(dz) < choice.radius_m:
+            into[n] = 3 * (di + 1) + dj + 1
+            sends |= 1 << into[n]
+    return sends
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def thin(  # noqa: C901 - a call that hands the arrays on costs more than the work
-    columns: Columns, pool: Pool, voxels: int, old_points: Float, old_first: Int
-) -> tuple[Float, Int]:  # pragma: no cover - compiled
-    """Return the mean of the smoothed points in each voxel, in order of the voxels.
+    columns: Columns, pool: Pool, voxels: int, old_points: Float, first: Narrow
+) -> Float:  # pragma: no cover - compiled
+    """Return the mean of the smoothed points in each voxel, in order of the voxels, shape (M, 3).
 
     Columns without a mark are copied from the points of before.
 
@@ -121,25 +138,23 @@ def thin(  # noqa: C901 - a call that hands the arrays on costs more than the wo
         pool: Smoothed voxels.
         voxels: An upper bound of the number of points.
         old_points: The points of before [m], shape (N, 3).
-        old_first: Row of the first point of each column, and the number of all, shape (C + 1,).
-
-    Returns:
-        The points [m] (M, 3), and the row of each column's first, as `old_first`.
+        first: Row of the first point of each column, and the number of all, shape (C + 1,); brought
+            up to date in place.
     """
     points = np.empty((voxels, 3))
-    first = np.empty(len(columns.held) + 1, dtype=np.int64)
     marks, begins, held = columns.marks, columns.first, columns.held
     sends, moved, cells, into = columns.sends, pool.moved, pool.cells, pool.beside
     sums, numbers = np.zeros((64, 3)), np.zeros(64, dtype=np.int64)
     gathered = np.empty(64, dtype=np.int64)
     found, c = 0, 0
     while c < len(held):
-        begin, shift = c, found - old_first[c]
+        begin = first[c]
+        shift = found - begin
         while c < len(held) and not marks[c] & BIN:
-            first[c] = old_first[c] + shift
+            first[c] += shift
             c += 1
-        count = old_first[c] - old_first[begin]
-        points[found : found + count] = old_points[old_first[begin] : old_first[c]]
+        count = first[c] - begin
+        points[found : found + count] = old_points[begin : begin + count]
         found += count
         if c == len(held):
             break
@@ -157,6 +172,13 @@ def thin(  # noqa: C901 - a call that hands the arrays on costs more than the wo
                     gathered[number] = n
                     number += 1
                     low, high = min(low, cells[n]), max(high, cells[n])
+        c += 1
+        if number == 1:
+            n = gathered[0]
+            points[found, 0], points[found, 1] = moved[n, 0], moved[n, 1]
+            points[found, 2] = moved[n, 2]
+            found += 1
+            continue
         if high - low >= len(sums):
             sums = np.zeros((2 * (high - low + 1), 3))
             numbers = np.zeros(len(sums), dtype=np.int64)
@@ -171,9 +193,8 @@ def thin(  # noqa: C901 - a call that hands the arrays on costs more than the wo
                     sums[cell, axis] = 0.0
                 numbers[cell] = 0
                 found += 1
-        c += 1
-    first[c] = found
-    return points[:found], first
+    first[len(held)] = found
+    return points[:found]
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]

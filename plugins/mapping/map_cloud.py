@@ -27,7 +27,7 @@ class MapCloud:
         self._grid: VoxelGrid | None = None
         self._columns: Columns | None = None
         self._pool, self._used = _empty_pool(0), 0
-        self._points, self._first = np.empty((0, 3)), np.zeros(1, dtype=np.int64)
+        self._points, self._first = np.empty((0, 3)), np.zeros(1, dtype=np.int32)
 
     @classmethod
     def compile(cls, settings: MapSettings) -> None:
@@ -58,7 +58,7 @@ class MapCloud:
     def read(self, columns: Columns, choice: Choice) -> Cloud:
         """Return the cloud of what was taken over last."""
         smooth(columns, self._pool, choice)
-        self._points, self._first = thin(columns, self._pool, self._used, self._points, self._first)
+        self._points = thin(columns, self._pool, self._used, self._points, self._first)
         return Cloud("map", self._points)
 
     def counts(self, columns: Columns, centre_map: Float, reach_m: int) -> Int:
@@ -103,7 +103,7 @@ class MapCloud:
         columns = Columns(low - EDGE - _MARGIN, spans, first, held, room, marks, sends)
         self._pool = _empty_pool(int(_SPARE * 2 * voxels) + 1)
         self._used = fill(grid.table(), columns, self._pool)
-        self._points, self._first = np.empty((0, 3)), np.zeros(count + 1, dtype=np.int64)
+        self._points, self._first = np.empty((0, 3)), np.zeros(count + 1, dtype=np.int32)
         return columns
 
 
