@@ -9,6 +9,7 @@ from executive_plugins.physics.scenario import Scenario
 
 from executive.commands.bulk import Where, spread
 from executive.commands.console import answer, one_of, say
+from executive.errors import ConfigError
 from executive.extras import require_extra
 
 _Seed = Annotated[
@@ -43,6 +44,12 @@ def grasp_data(  # noqa: PLR0913 - the options of the command line, each a param
         str | None,
         typer.Option(metavar="ADDRESS", help="Use the workers of a dask scheduler: tcp://…"),
     ] = None,
+    views: Annotated[
+        str, typer.Option(help="How stones are seen: mixed, or surveyed as in missions.")
+    ] = "mixed",
+    volume_m3: Annotated[
+        tuple[float, float], typer.Option(help="Least and largest volume of a stone [m³].")
+    ] = (0.1, 1.1),
 ) -> None:
     """Make labels for grasp classifiers.
 
@@ -52,14 +59,20 @@ def grasp_data(  # noqa: PLR0913 - the options of the command line, each a param
     Example: executive grasp-data labels --stones 600 --workers 2
     """
     from executive_plugins.grasping.learning.labels import LabelSettings, claim, stone_file
+    from executive_plugins.grasping.learning.training_scene import Views
 
     one_of("--physics", physics, get_args(Scenario))
+    one_of("--views", views, get_args(Views))
+    if not volume_m3[0] <= volume_m3[1]:
+        raise ConfigError(f"--volume-m3: expected LEAST MOST, got {volume_m3[0]} {volume_m3[1]}")
     settings = LabelSettings.model_validate(
         {
             "machine": machine,
             "seed": seed,
             "grasps_per_stone": grasps,
             "physics": physics,
+            "views": views,
+            "volume_m3": volume_m3,
             "arm_error_m": arm_error_m,
             "arm_error_rad": math.radians(arm_error_deg),
             "weights": weights,

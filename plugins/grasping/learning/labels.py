@@ -16,6 +16,7 @@ from executive_plugins.grasping.classifier.grasp_features import features_of
 from executive_plugins.grasping.classifier.weights_file import weights_file
 from executive_plugins.grasping.learning.lift_trials import SHIFT_M, TURN_RAD, LiftTrials
 from executive_plugins.grasping.learning.training_scene import (
+    Views,
     at_rest,
     convex_solid,
     look_at,
@@ -70,6 +71,11 @@ class LabelSettings(Settings):
     )
     rounded: float = Field(
         0.5, ge=0, le=1, description="Share of rounded stones; the others are quarried blocks."
+    )
+    views: Views = Field(
+        "mixed",
+        description="mixed: stones are seen by lidars and, in half of the scenes, by a drone; "
+        "surveyed: as the map of a mission shows them after its survey.",
     )
     physics: Scenario = Field(
         "kind", description="Contacts of the lifts: those of a scenario of the simulator."
@@ -184,7 +190,7 @@ def label_stone(folder: Path, settings: LabelSettings, index: int) -> None:
         convex_solid(resting_stone(settings, rng) + neighbour_place(rng))
         for _ in range(rng.integers(3))
     )
-    view = look_at(convex_solid(hull), neighbours, rng)
+    view = look_at(convex_solid(hull), neighbours, rng, settings.views)
     scene = sampler.scene(view.stone, view.cloud, rng)
     pool = sampler.pool(scene, rng)
     by_network = network_first(

@@ -115,13 +115,15 @@ def test_the_count_of_stones_grows_by_each_that_is_done(
     (folder / "stone_00001.npz").write_bytes(b"there")
     with pytest.raises(typer.Exit) as ended:
         commands.grasp_data(
-            folder, 4, 6, 9, "m545", "wet", 0.02, 1.5, "mine.safetensors", 3, "tcp://here:1"
-        )
+            folder, 4, 6, 9, "m545", "wet", 0.02, 1.5, "mine.safetensors", 3, "tcp://here:1",
+            views="surveyed", volume_m3=(0.3, 0.9),
+        )  # fmt: skip
     assert ended.value.exit_code == 1
     work, arguments, seeds, where = asked
     assert (work, seeds) == ("grasp_labels", [0, 2, 3])
     wanted = {"machine": "m545", "seed": 9, "grasps_per_stone": 6, "physics": "wet"}
     wanted |= {"arm_error_m": 0.02, "weights": "mine.safetensors"}
+    wanted |= {"views": "surveyed", "volume_m3": [0.3, 0.9]}
     assert wanted.items() <= arguments.items()
     assert arguments["arm_error_rad"] == pytest.approx(0.0261799, rel=1e-5)
     assert where == Where(folder / "unfinished", 3, "tcp://here:1")
@@ -135,6 +137,16 @@ def test_the_count_of_stones_grows_by_each_that_is_done(
 def test_contacts_that_nobody_knows_are_refused_before_a_folder_is_made(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="--physics"):
         commands.grasp_data(tmp_path / "labels", physics="stormy")
+    assert not (tmp_path / "labels").exists()
+
+
+def test_views_and_volumes_that_are_none_are_refused_before_a_folder_is_made(
+    tmp_path: Path,
+) -> None:
+    with pytest.raises(ConfigError, match="--views: 'blind' is not one of mixed, surveyed"):
+        commands.grasp_data(tmp_path / "labels", views="blind")
+    with pytest.raises(ConfigError, match=r"--volume-m3: expected LEAST MOST, got 0\.9 0\.3"):
+        commands.grasp_data(tmp_path / "labels", volume_m3=(0.9, 0.3))
     assert not (tmp_path / "labels").exists()
 
 

@@ -36,6 +36,7 @@ class Bench:
         self.neighbours: list[Any] = []
         self.lifts: list[tuple[Any, float]] = []
         self.asked: list[Any] = []
+        self.views: list[str] = []
         self.made: list[Any] = []
         turns = np.repeat(np.eye(3)[None], COUNT, axis=0)
         places = np.arange(COUNT)[:, None] * [1.0, 0.0, 0.0]
@@ -59,8 +60,9 @@ class Bench:
         }.items():
             monkeypatch.setattr(labels, name, stand_in)
 
-    def _look_at(self, stone: Any, neighbours: Any, rng: Any) -> Any:
+    def _look_at(self, stone: Any, neighbours: Any, rng: Any, views: str) -> Any:
         self.neighbours.append(neighbours)
+        self.views.append(views)
         return SimpleNamespace(stone=stone, cloud=stone)
 
     def _network_first(self, weights: str, scene: Any, pool: Any, gripper: Any, most: int) -> Any:
@@ -92,8 +94,9 @@ def test_each_chosen_grasp_is_lifted_where_it_is_in_the_map_and_stored(
     bench: Bench, tmp_path: Path
 ) -> None:
     settings = LabelSettings(
-        grasps_per_stone=6, arm_error_m=0.03, arm_error_rad=0.07, physics="nominal", weights="mine"
-    )
+        grasps_per_stone=6, arm_error_m=0.03, arm_error_rad=0.07, physics="nominal", weights="mine",
+        views="surveyed",
+    )  # fmt: skip
     label_stone(tmp_path, settings, 12)
     places = [inverse(T_MAP_PLAN) @ T for T, _ in bench.lifts]
     chosen = [round(T[0, 3]) for T in places]
@@ -103,6 +106,7 @@ def test_each_chosen_grasp_is_lifted_where_it_is_in_the_map_and_stored(
         np.testing.assert_allclose(T, pose(t=np.array([number, 0.0, 0.0])), atol=1e-12)
         assert jaw_rad == pytest.approx(0.1 * number)
     assert bench.asked == [("mine", True, 2)]
+    assert bench.views == ["surveyed"]
     ((gripper, hull, *errors),) = bench.made
     assert gripper is GRIPPER
     assert hull.shape == (4, 3)

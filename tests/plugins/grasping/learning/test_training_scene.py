@@ -40,6 +40,22 @@ def test_a_view_shows_the_stone_in_part_with_noise_and_the_ground_around_it() ->
     np.testing.assert_array_equal(view.cloud[: len(view.stone)], view.stone)
 
 
+def test_a_survey_shows_a_stone_from_all_sides_and_the_soil_that_it_has_sunk_into() -> None:
+    """Points lie in the hull of a rough stone; two lidars see its far side at no time."""
+    hull = SLAB + (0.0, 0.0, 0.2)
+    for seed in range(5):
+        view = look_at(convex_solid(hull), (), np.random.default_rng(seed), "surveyed")
+        middle = view.stone[(view.stone[:, 2] > 0.15) & (view.stone[:, 2] < 0.3)]
+        azimuth = np.arctan2(middle[:, 1], middle[:, 0])
+        assert len(np.unique((azimuth / (2 * np.pi) * 8).astype(int))) >= 7
+        outside = np.abs(view.stone - (0.0, 0.0, 0.2)) - (0.6, 0.4, 0.2)
+        assert -0.05 < np.median(outside.max(axis=1)) < -0.005
+        assert outside.max() < 0.06  # five times the largest noise
+        ground = view.cloud[len(view.stone) :]
+        ground = ground[np.linalg.norm(ground[:, :2], axis=1) > 1.0]
+        assert -0.03 < np.median(ground[:, 2]) < 0.06  # four standard deviations
+
+
 def test_a_neighbour_in_front_hides_the_stone() -> None:
     hull = SLAB + (0.0, 0.0, 0.2)
     ring = tuple(
