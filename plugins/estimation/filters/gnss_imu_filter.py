@@ -1,15 +1,15 @@
 """Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
 
-from collections import deque
 from collections.abc import Callable, Mapping
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.settings import GnssImuSettings
+from executive_plugins.estimation.gate.calm_scale import CalmScale
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
 from executive_plugins.estimation.gate.growing_refusals import GrowingRefusals
-from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
-from executive_plugins.estimation.gate.innovation_bias import InnovationBias
+from executive_plugins.estimation.gate.innovation_alarm import WINDOW, InnovationAlarm
+from executive_plugins.estimation.gate.innovation_bias import InnovationBias, Lean
 from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE, InnovationScale
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.stream_period import StreamPeriod
@@ -21,6 +21,7 @@ from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
+from executive_plugins.estimation.kalman.held_clock import HeldClock
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.window_start import WindowStart
@@ -71,11 +72,12 @@ class GnssImuFilter(CabinEstimator):
         self._scales: dict[str, InnovationScale] = {}
         self._biases: dict[str, InnovationBias] = {}
         self._alarms: dict[str, InnovationAlarm] = {}
+        self._calm: dict[str, CalmScale] = {}
         self._periods: dict[str, StreamPeriod] = {}
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
-        self._moving_s = self._explained_s = -np.inf
-        self._clocks: deque[tuple[float, float]] = deque()  # times with the clock, both [s]
+        self._moving_s = -np.inf
+        self._clock = HeldClock(self._settings.reacquire_after_s)
         self._frozen = FrozenSamples()
         self._refusals = GrowingRefusals()
 
@@ -88,6 +90,10 @@ class GnssImuFilter(CabinEstimator):
         self._scales = {name: InnovationScale(3, found.fix_scale) for name in self._antennas_imu}
         self._biases = {name: InnovationBias(3) for name in self._antennas_imu}
         self._alarms = {name: InnovationAlarm(3) for name in self._antennas_imu}
+        self._calm = {
+            name: CalmScale(settings.reacquire_after_s, found.fix_scale)
+            for name in self._antennas_imu
+        }
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
         return ErrorStateFilter(found.state, found.covariance, self._noise, found.clock)
@@ -161,43 +167,42 @@ class GnssImuFilter(CabinEstimator):
         """Return the covariance of a fix that the newest innovations explain, shape (3, 3).
 
         If they show that the prediction is wrong instead, its covariance grows by a step of the
-        sensor's biases that explains them, and the fix counts as declared.
+        sensor's biases that explains them, and the fix errs as was known before.
         """
         predicted = kalman.predicted(*derivatives)
-        scale, bias = self._scales[antenna], self._biases[antenna]
-        scaled = predicted + scale.factor() * noise
-        period_s = self._periods[antenna].period_s / len(self._periods)
-        self._alarms[antenna].add(residual, scaled, self._settings.gate, period_s)
-        distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
+        scale, bias, alarm = self._scales[antenna], self._biases[antenna], self._alarms[antenna]
+        known = self._calm[antenna].factor(kalman.state.stamp_s, alarm.is_raised, scale.factor())
+        S = predicted + known * noise
+        usual_s = self._periods[antenna].period_s
+        period_s = usual_s / len(self._periods)
+        alarm.add(residual, S, self._settings.gate, period_s)
+        distance2 = float(residual @ np.linalg.solve(S, residual))
         is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
         if is_near:
-            bias.add(residual, predicted + noise, period_s)
-        if not is_near or not bias.is_biased:
+            bias.add(residual, S, period_s)
+        if not is_near or alarm.is_raised or bias.is_biased:
+            self._clock.hold(kalman, max(_STEP_AGO_S, WINDOW * usual_s))
+        else:
+            self._clock.follow(kalman)
+        if not is_near or bias.lean is None:
             scale.add(residual, predicted, noise)
-            self._follow_clock(kalman)
             return scale.factor() * noise
-        self._hold_clock(kalman)
-        kalman.explain(residual, derivatives, noise, _STEP_AGO_S)
-        return noise
+        self._explain(kalman, bias.lean, derivatives, known * noise, usual_s)
+        return known * noise
 
-    def _follow_clock(self, kalman: ErrorStateFilter) -> None:
-        """Remember the clock of a sound prediction, and estimate it again some time after a doubt.
-
-        Until then, what an inertial sensor errs would pass for an offset of the clock.
-        """
-        now_s = kalman.state.stamp_s
-        kalman.holds_clock = now_s - self._explained_s < self._settings.reacquire_after_s
-        if kalman.holds_clock:
-            return
-        self._clocks.append((now_s, kalman.clock_s))
-        while len(self._clocks) > 1 and self._clocks[1][0] <= now_s - _STEP_AGO_S:
-            self._clocks.popleft()
-
-    def _hold_clock(self, kalman: ErrorStateFilter) -> None:
-        """Take back the clock of before the sensor's step, and leave it there for some time."""
-        if not kalman.holds_clock and self._clocks:
-            kalman.restore_clock(self._clocks[0][1])
-        kalman.holds_clock, self._explained_s = True, kalman.state.stamp_s
+    def _explain(
+        self,
+        kalman: ErrorStateFilter,
+        lean: Lean,
+        derivatives: tuple[Float, Float | None],
+        noise: Float,
+        period_s: float,
+    ) -> None:
+        """Widen the state's covariance by a step of the biases that explains a lean."""
+        since_s = max(_STEP_AGO_S, lean.lasts * period_s)
+        kalman.explain(lean.innovation, derivatives, noise, since_s, lean.share)
+        for bias in self._biases.values():
+            bias.clear()
 
     def _hold_both(
         self, kalman: ErrorStateFilter, residual: Float, predicted: Float, noise: Float
@@ -257,9 +262,9 @@ class GnssImuFilter(CabinEstimator):
     def _status(self) -> str:
         if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s():
             return FALLBACK
-        is_alarmed = any(alarm.is_raised for alarm in self._alarms.values())
-        is_biased = any(bias.is_biased for bias in self._biases.values())
-        return SUSPECT if is_alarmed or is_biased or self._doubt is not None else GLOBAL
+        trusted_s = self._clock.doubted_s + self._settings.reacquire_after_s
+        is_doubted = self._propagator.stamp_s < trusted_s
+        return SUSPECT if is_doubted or self._doubt is not None else GLOBAL
 
     def _missing_after_s(self) -> float:
         """Return the time without a used fix after which fixes are missing [s]."""

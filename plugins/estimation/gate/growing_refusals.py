@@ -35,9 +35,10 @@ class GrowingRefusals:
     def is_running_away(self, innovation: Float, noise: Float) -> bool:
         """Take a refused fix; return whether the prediction runs away from it.
 
-        The first, a middle and the newest innovation must point to one side and grow, and their
+        Some earlier, a middle and the newest innovation must point to one side and grow, and their
         second difference must be more than the noise of three fixes explains: fixes that drift
-        evenly show no acceleration.
+        evenly show no acceleration. The earliest is the first or, as that may be of fixes that
+        have come back from a jump, the one in the middle.
 
         Args:
             innovation: Measured minus predicted, map axes [m], shape (3,).
@@ -49,7 +50,13 @@ class GrowingRefusals:
         if count < _ENOUGH:
             return False
         last = count - 1 - (count + 1) % 2  # so that the middle one is as far from both
-        chosen = [self._innovations[i] for i in (0, last // 2, last)]
+        return self._grow(last, last // 2, noise) or self._grow(last, last // 4, noise)
+
+    def _grow(self, last: int, step: int, noise: Float) -> bool:
+        """Return whether three innovations, evenly spaced up to one, grow to one side."""
+        if step == 0:
+            return False
+        chosen = [self._innovations[i] for i in (last - 2 * step, last - step, last)]
         sizes = [max(float(np.linalg.norm(one)), 1e-9) for one in chosen]
         newest = chosen[-1] / sizes[-1]
         is_aside = all(

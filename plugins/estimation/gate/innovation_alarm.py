@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from executive.arrays import Float
 
-_COUNT = 6  # windows: the newest innovation, the two newest, …
+WINDOW = 6  # innovations; means of the newest 1 to 6 are tested
 _CALM = 3  # innovations that end an alarm
 FALSE_ALARM_S = 3600.0  # mean time between two alarms of a sensor that errs as it declares
 _USUAL = 0.95
@@ -38,7 +38,7 @@ class InnovationAlarm:
         """
         self.is_raised = False
         self._degrees, self._since = degrees, 0
-        self._white: deque[Float] = deque(maxlen=_COUNT)
+        self._white: deque[Float] = deque(maxlen=WINDOW)
         self._usual = float(chi2.ppf(_USUAL, degrees))
 
     def add(self, innovation: Float, covariance: Float, gate: float, period_s: float) -> None:
@@ -73,4 +73,4 @@ def binary(period_s: float) -> float:
 @lru_cache(maxsize=64)
 def _limit(degrees: int, period_s: float) -> float:
     """Return the bound on a squared mean that is exceeded by chance once in `FALSE_ALARM_S`."""
-    return float(chi2.isf(period_s / (FALSE_ALARM_S * _COUNT), degrees))
+    return float(chi2.isf(period_s / (FALSE_ALARM_S * WINDOW), degrees))

@@ -43,3 +43,8 @@ class UsualMotion:
     def rate_rad_s(self) -> float:
         """Standard deviation of the angular velocity about an axis, no less than a machine's."""
         return float(max(np.sqrt(self._rate2), _LEAST_RATE_RAD_S))
+
+    @property
+    def step(self) -> tuple[float, float]:
+        """Standard deviations of angular velocity [rad/s] and acceleration [m/s²] along an axis."""
+        return self.rate_rad_s, self.acceleration_m_s2

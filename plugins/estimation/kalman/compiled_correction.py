@@ -117,3 +117,21 @@ def corrected(
     """
     after, error = np.empty(P.shape), np.empty(len(P))
     return (after, error) if _correct(P, H, residual, noise, gate, after, error) else None
+
+
+def considered(P: Float, H: Float, residual: Float, noise: Float, held: int) -> tuple[Float, Float]:
+    """Return covariance and error after a correction that leaves one quantity as it is.
+
+    Its uncertainty counts in the correction of the others (Schmidt 1966).
+
+    Args:
+        P: Covariance before, shape (n, n).
+        H: Derivative of the measurement by the error, shape (m, n).
+        residual: Measured minus predicted, shape (m,).
+        noise: Covariance of the measurement, shape (m, m).
+        held: Index of the quantity.
+    """
+    K = np.linalg.solve(H @ P @ H.T + noise, H @ P).T
+    K[held] = 0.0
+    J = np.eye(len(P)) - K @ H
+    return J @ P @ J.T + K @ noise @ K.T, K @ residual

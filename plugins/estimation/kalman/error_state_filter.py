@@ -17,9 +17,9 @@ from executive_plugins.estimation.inertial.state import (
     propagate,
 )
 from executive_plugins.estimation.inertial.usual_motion import UsualMotion
+from executive_plugins.estimation.kalman import bias_step
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
-from executive_plugins.estimation.kalman.bias_step import explaining_factor, step_covariance
-from executive_plugins.estimation.kalman.compiled_correction import corrected
+from executive_plugins.estimation.kalman.compiled_correction import considered, corrected
 from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.arrays import Float
@@ -27,15 +27,6 @@ from executive.arrays import Float
 _LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
 _CLOCK_WALK_S = 1e-4  # of the receiver's clock, in one second: quartzes differ by 100 ppm
 _NO_CLOCK = ClockOffset()
-
-
-def _without_clock(P: Float, H: Float, residual: Float, noise: Float) -> tuple[Float, Float]:
-    """Return covariance and error after a correction that considers the clock (Schmidt 1966)."""
-    S = H @ P @ H.T + noise
-    K = np.linalg.solve(S, H @ P).T
-    K[DIMENSION] = 0.0
-    J = np.eye(len(P)) - K @ H
-    return J @ P @ J.T + K @ noise @ K.T, K @ residual
 
 
 class ErrorStateFilter:
@@ -51,6 +42,7 @@ class ErrorStateFilter:
         clock_s: Stamps of the fixes minus times of measurement [s].
         holds_clock: Whether corrections leave the clock as it is, and only consider its error.
         agreeing_clock: How likely the clocks agree; None if they do not.
+        gap_s: Time of the newest gap in the samples that was bridged [s]; -inf if there was none.
     """
 
     def __init__(
@@ -66,6 +58,7 @@ class ErrorStateFilter:
         self.holds_clock = False
         self.agreeing_clock: AgreeingClock | None = None
         self._noise = noise
+        self.gap_s = -np.inf
         self._usual = UsualMotion()
         self._mean_rate = state.sample.rate  # over the time by which the clock is unknown
         self._clocks = int(clock.std_s > 0)  # number of companions that are clocks
@@ -91,6 +84,7 @@ class ErrorStateFilter:
             self._mean_rate = self._mean_rate + weight * (sample.rate - self._mean_rate)
         self.covariance = self.covariance_after(dt_s)
         if sample.since_last_s > _LONG_GAP_S:
+            self.gap_s = sample.stamp_s
             self._inflate_by_gap(sample.since_last_s, dt_s)
             sample = self._at_constant_velocity(sample)
         elif self._usual.is_due(sample.stamp_s):
@@ -184,7 +178,7 @@ class ErrorStateFilter:
             return False
         P, error = answer
         if self._clocks and self.holds_clock:
-            P, error = _without_clock(before, H, residual, noise)
+            P, error = considered(before, H, residual, noise, DIMENSION)
         self._take(P, error)
         return True
 
@@ -259,25 +253,33 @@ class ErrorStateFilter:
         return np.eye(len(error))
 
     def fade(self, factor: float) -> None:
-        """Multiply the covariance of the state, not of its companions, by a factor."""
-        self.covariance = factor * self.covariance
-        self._cross = np.sqrt(factor) * self._cross
+        """Multiply the covariance of the state, less of the biases, by a factor; see `grown`."""
+        more = bias_step.grown(self.covariance, factor, *self._usual.step)
+        self.covariance = np.outer(more, more) * self.covariance
+        self._cross = more[:, None] * self._cross
 
     def explain(
-        self, residual: Float, derivatives: tuple[Float, Float | None], noise: Float, since_s: float
+        self,
+        innovation: Float,
+        derivatives: tuple[Float, Float | None],
+        noise: Float,
+        since_s: float,
+        share: float = 1.0,
     ) -> None:
-        """Add the covariance of a step of the biases that explains an innovation.
+        """Add the covariance of a step of the biases that explains an innovation; see `correct`.
 
         Args:
-            residual: Measured minus predicted, shape (m,).
-            derivatives: By the errors of state and clock; see `correct`.
+            innovation: Measured minus predicted, shape (m,).
+            derivatives: By the errors of state and clock.
             noise: Covariance of the measurement, shape (m, m).
             since_s: Time since the step [s].
+            share: Of the innovation's variance in that of a single one.
         """
-        usual = self._usual
-        C = step_covariance(self.state, since_s, usual.rate_rad_s, usual.acceleration_m_s2)
-        H, S = derivatives[0], self.predicted(*derivatives) + noise
-        self.covariance = self.covariance + explaining_factor(residual, S, H @ C @ H.T, 1.0) * C
+        H, S = derivatives[0], share * (self.predicted(*derivatives) + noise)
+        C = bias_step.step_covariance(self.state, since_s, *self._usual.step)
+        left = bias_step.left(self.covariance, *self._usual.step)
+        factor = bias_step.explaining_factor(innovation, S, H @ C @ H.T, left)
+        self.covariance = self.covariance + factor * C
 
     def restore_clock(self, clock_s: float) -> None:
         """Take back an earlier estimate of the clock; what it has moved since may be wrong."""

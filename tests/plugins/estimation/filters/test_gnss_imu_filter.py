@@ -6,7 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.estimator import INITIALISING
-from executive_plugins.estimation.filters.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_filter import (
+    FALLBACK,
+    GLOBAL,
+    SUSPECT,
+    GnssImuFilter,
+)
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 
 from executive.errors import ConfigError
@@ -228,13 +233,17 @@ def test_an_outlying_or_uncertain_fix_moves_nothing(cabin, estimator) -> None:
 
 
 def test_fixes_that_contradict_the_filter_for_long_are_used_in_the_end(cabin, estimator) -> None:
-    for observation in cabin.observations(20.0):
+    at_20_s = ""
+    for observation in cabin.observations(28.0):
         if isinstance(observation, GnssFix) and observation.stamp_s > 4:
             observation = replace(
                 observation, geodetic=observation.geodetic + np.array([0, 0, 3.0])
             )
         estimator.add(observation)
+        if isinstance(observation, GnssFix) and observation.stamp_s < 20:
+            at_20_s = estimator.state().status
     state = estimator.state()
+    assert at_20_s == SUSPECT  # until nothing has been in dispute for ten seconds
     assert state.T_map_cabin[2, 3] - cabin.T_map_cabin(state.stamp_s)[2, 3] == pytest.approx(
         3.0, abs=0.1
     )

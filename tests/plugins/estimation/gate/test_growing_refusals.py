@@ -37,6 +37,15 @@ def test_other_refusals_are_none(innovations) -> None:
     assert not _says(innovations)
 
 
+def test_a_prediction_that_runs_away_after_fixes_came_back_is_seen() -> None:
+    """The first refusals are of the jump, to another side."""
+    across = np.array([0.8, -0.6, 0.0])
+    row = [across, *(0.1 * t**2 * ASIDE for t in np.arange(1.0, 9.0))]
+    assert any(_says(row[:count]) for count in range(1, 10))
+    row = [across, *[3 * ASIDE] * 14]
+    assert not any(_says(row[:count]) for count in range(1, 16))
+
+
 def test_a_fix_that_was_used_ends_the_row() -> None:
     refusals = GrowingRefusals()
     assert not refusals.is_running_away(ASIDE, NOISE)

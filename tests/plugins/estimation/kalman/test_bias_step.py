@@ -14,9 +14,15 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     propagate,
 )
-from executive_plugins.estimation.kalman.bias_step import explaining_factor, step_covariance
+from executive_plugins.estimation.kalman.bias_step import (
+    explaining_factor,
+    grown,
+    left,
+    step_covariance,
+)
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.start.found import ClockOffset
+from scipy.stats import chi2
 
 from executive.arrays import Float
 from executive.geometry.rotation import from_rpy, log_so3
@@ -54,11 +60,12 @@ def test_it_is_what_reckoning_with_a_step_gives() -> None:
 
 
 @pytest.mark.parametrize("size", [3.0, 20.0])
-def test_the_factor_makes_an_innovation_usual(size: float) -> None:
+def test_with_the_factor_one_innovation_in_twenty_is_smaller(size: float) -> None:
     A = np.random.default_rng(3).normal(0, 1, (3, 3))
     S, more, residual = np.eye(3), A @ A.T, size * np.array([0.6, -0.64, 0.48])
     factor = explaining_factor(residual, S, more, 1e9)
-    assert residual @ np.linalg.solve(S + factor * more, residual) == pytest.approx(3.0)
+    distance2 = residual @ np.linalg.solve(S + factor * more, residual)
+    assert distance2 == pytest.approx(chi2.ppf(0.05, 3))
 
 
 def test_a_usual_innovation_needs_no_factor_and_a_large_one_gets_the_largest() -> None:
@@ -106,8 +113,38 @@ def test_a_clock_that_is_taken_back_is_as_uncertain_as_it_had_moved() -> None:
 def test_an_explained_innovation_opens_the_biases() -> None:
     kalman, H = in_motion(), np.zeros((3, DIMENSION))
     H[:, POSITION] = np.eye(3)
-    noise, residual = 1e-4 * np.eye(3), np.array([0.0, 1.0, 0.0])
+    noise, residual = 1e-4 * np.eye(3), np.array([0.0, 0.1, 0.0])
     kalman.explain(residual, (H, None), noise, 1.0)
     S = kalman.predicted(H) + noise
-    assert residual @ np.linalg.solve(S, residual) == pytest.approx(3.0, rel=1e-3)
+    assert residual @ np.linalg.solve(S, residual) == pytest.approx(chi2.ppf(0.05, 3), rel=1e-3)
     assert np.diag(kalman.covariance)[GYRO_BIAS].min() > (10 * 1e-3) ** 2
+
+
+def test_the_mean_of_several_innovations_counts_as_such() -> None:
+    """A quarter of the variance: half of the innovation shows as much."""
+    kalman, other, H = in_motion(), in_motion(), np.zeros((3, DIMENSION))
+    H[:, POSITION] = np.eye(3)
+    noise, innovation = 1e-4 * np.eye(3), np.array([0.0, 0.3, 0.0])
+    kalman.explain(innovation, (H, None), noise, 1.0, 0.25)
+    other.explain(innovation, (H, None), noise, 1.0)
+    S = kalman.predicted(H) - in_motion().predicted(H) + 0.25 * (in_motion().predicted(H) + noise)
+    assert innovation @ np.linalg.solve(S, innovation) == pytest.approx(chi2.ppf(0.05, 3), rel=0.01)
+    assert np.trace(kalman.covariance) > np.trace(other.covariance)
+
+
+def test_no_more_than_a_step_of_the_usual_motion_is_added_in_all() -> None:
+    kalman, H = in_motion(), np.zeros((3, DIMENSION))
+    H[:, POSITION] = np.eye(3)
+    for _ in range(5):
+        kalman.explain(np.array([0.0, 90.0, 0.0]), (H, None), 1e-4 * np.eye(3), 1.0)
+    stds = np.sqrt(np.diag(kalman.covariance))
+    assert max(stds[GYRO_BIAS].max() / 0.8, stds[ACCEL_BIAS].max()) == pytest.approx(1.0, rel=0.01)
+    assert left(kalman.covariance, 0.8, 1.0) == pytest.approx(0.0, abs=0.01)
+
+
+def test_biases_that_fade_stay_within_a_step() -> None:
+    P = np.diag(np.repeat([0.01, 0.1, 0.05, 0.2, 0.3], 3) ** 2)
+    more = grown(P, 100.0, 0.8, 0.1)
+    assert more[[0, 3, 6]] == pytest.approx(10.0)
+    assert more[GYRO_BIAS] == pytest.approx(4.0)
+    assert more[ACCEL_BIAS] == pytest.approx(1.0)  # known worse than that before

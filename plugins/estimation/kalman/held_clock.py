@@ -1,0 +1,49 @@
+"""When a filter estimates the receiver's clock: only while all innovations are explained."""
+
+from collections import deque
+
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+
+_REMEMBERED_S = 20.0  # six fixes of the slowest receivers
+
+
+class HeldClock:
+    """Holds the clock while the prediction or the fixes are in doubt, and for some time after.
+
+    A clock that is late by d moves a fix by the velocity times d: what any other sensor errs along
+    the path passes for an offset of the clock. The clock itself does not change with such an error,
+    and what is known of it from before is better than what is learnt meanwhile.
+    """
+
+    def __init__(self, held_s: float) -> None:
+        """Begin without doubt.
+
+        Args:
+            held_s: How long the clock is held after the last doubt [s].
+        """
+        self._held_s, self.doubted_s = held_s, -float("inf")
+        self._clocks: deque[tuple[float, float]] = deque()  # times with the clock, both [s]
+
+    def follow(self, kalman: ErrorStateFilter) -> None:
+        """Let the clock be estimated if the last doubt is long ago, and remember it."""
+        now_s = kalman.state.stamp_s
+        doubted_s = max(self.doubted_s, kalman.gap_s)
+        kalman.holds_clock = now_s - doubted_s < self._held_s
+        if kalman.holds_clock:
+            return
+        self._clocks.append((now_s, kalman.clock_s))
+        while self._clocks[0][0] < now_s - _REMEMBERED_S:
+            self._clocks.popleft()
+
+    def hold(self, kalman: ErrorStateFilter, since_s: float) -> None:
+        """Take back the clock of before an error began, and leave it there.
+
+        Args:
+            kalman: The filter.
+            since_s: For how long the error may have been there [s].
+        """
+        now_s = kalman.state.stamp_s
+        if not kalman.holds_clock and self._clocks:
+            before = [clock_s for at_s, clock_s in self._clocks if at_s <= now_s - since_s]
+            kalman.restore_clock(before[-1] if before else self._clocks[0][1])
+        kalman.holds_clock, self.doubted_s = True, now_s
