@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 import small_gicp
 from executive_plugins.alignment.settings import AlignmentSettings
-from executive_plugins.alignment.thinning import grid_for
 
 from executive.arrays import Float
 from executive.geometry.point_grid import PointGrid
@@ -64,17 +63,17 @@ def measure(
     target: Float,
     surface: small_gicp.PointCloud,
     source: Float,
+    grid_m: float,
     settings: AlignmentSettings,
     apart_m: float = 0.0,
 ) -> Closeness:
-    """Compare a thinned source with the target, whose normals are those of its surface, thinned.
+    """Compare a source, thinned to a grid, with the target, whose normals are those of its surface.
 
     The distance to the nearest target point has a part across the surface, and one along it, which
     is as large as the gaps between the target's points. Of the latter, what points so far apart
     have anyhow is not held against the fit; with `discount_gaps` none is beyond what a target as
     dense as the grid would have.
     """
-    grid_m = grid_for(source, settings.voxel_m)
     thinned = small_gicp.voxelgrid_sampling(source, grid_m, 1).points()[:, :3]
     distances, rows = PointGrid(target, settings.voxel_m).nearest(thinned, settings.gate_distance_m)
     near = np.isfinite(distances)

@@ -57,7 +57,7 @@ def test_measure(recorded) -> None:
     settings = AlignmentSettings(voxel_m=0.5, gate_distance_m=0.5)
     offsets = (0.0, 0.25, 0.5, 0.75, 90.0)
     surface, _ = small_gicp.preprocess_points(grid, 0.5, settings.neighbours, 1)
-    recorded([measure(grid, surface, grid[:40] + [d, 0, 0], settings) for d in offsets])
+    recorded([measure(grid, surface, grid[:40] + [d, 0, 0], 0.5, settings) for d in offsets])
 
 
 def test_wrong_guesses(recorded) -> None:
