@@ -2,7 +2,7 @@
 
 For each seed: a row, a square and a triangle of identical blocks, of which the survey shows another
 part than the map, and two sites of seven natural stones, one of them another site. No answer may be
-accepted unless it is right. Then 99 stones, right and wrong, once.
+accepted unless it is right. Then 99 stones, right and wrong, once, in a process of their own.
 Milliseconds are processor time of one thread. Ten seconds of processor time a seed.
 """
 
@@ -33,10 +33,11 @@ def main(words: Sequence[str] | None = None) -> int:
 
         print(pictured(given.picture, first))
         return 0
+    from trials.many_stones import many_stones
     from trials.twins import figures, measured
 
     print(f"seeds {first} to {first + given.seeds - 1}", file=sys.stderr, flush=True)
-    return verdict(figures(measured(range(first, first + given.seeds))))
+    return verdict(figures(measured(range(first, first + given.seeds)), many_stones()))
 
 
 if __name__ == "__main__":
