@@ -1,7 +1,7 @@
 """Whether the drives of the arm have pressure: what they measure against what the motion needs."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,36 +80,45 @@ class DrivePressure:
             return ""
         if self._looks and sample.stamp_s <= self._looks[-1].stamp_s:
             return ""
-        needs = self._needs(self._on_path(sample, follow, since_s), up_base)
-        moments = self._moments(sample, up_base)
-        needed = self._directions(needs, moments)
-        measured = np.array([sample.of(name)[2] for name in self._machine.arm_names])
-        is_none = np.abs(measured) <= self._none
         motion = self._measured(sample)
-        is_carried = self._is_carried(measured, is_none, self._needs([motion], up_base), moments)
-        found = np.flatnonzero((needed != 0) & is_none & (not is_carried))
-        self._looks.append(_Look(sample.stamp_s, motion[1], frozenset(found.tolist())))
+        lost = self._lost_now(sample, motion, self._on_path(sample, follow, since_s), up_base)
+        self._looks.append(_Look(sample.stamp_s, motion[1], frozenset(lost)))
         lasting = frozenset.intersection(*(look.lost for look in self._looks))
         if len(self._looks) < LOOKS or not lasting:
             return ""
         i = min(lasting)
-        joint, least = self._machine.joints[i], float(np.abs(needs[:, i]).min())
+        joint = self._machine.joints[i]
         unit = "N" if joint.kind == "prismatic" else "N·m"
-        return f"{joint.name} has no effort where its motion needs {least:.0f} {unit}"
+        return f"{joint.name} has no effort where its motion needs {lost[i]:.0f} {unit}"
 
-    def _on_path(self, sample: JointSample, follow: Follow, since_s: float) -> list[_Motion]:
-        """Return the motion of the path now, and back to the drives' lag ago."""
+    def _lost_now(
+        self, sample: JointSample, motion: _Motion, path: Iterator[_Motion], up_base: Float
+    ) -> dict[int, float]:
+        """Return the drives that have no effort where they need one, and the least that it is."""
+        measured = np.array([sample.of(name)[2] for name in self._machine.arm_names])
+        is_none = np.abs(measured) <= self._none
+        if not is_none.any():  # so it is at most times, and what is needed costs the most
+            return {}
+        needs, moments = self._needs(path, up_base), self._moments(sample, up_base)
+        is_lost = is_none & (self._directions(needs, moments) != 0)
+        if not is_lost.any():
+            return {}
+        if self._is_carried(measured, is_none, self._needs([motion], up_base), moments):
+            return {}
+        least = np.abs(needs).min(axis=0)
+        return {int(i): float(least[i]) for i in np.flatnonzero(is_lost)}
+
+    def _on_path(self, sample: JointSample, follow: Follow, since_s: float) -> Iterator[_Motion]:
+        """Yield the motion of the path now, and back to the drives' lag ago."""
         names, lag_s = self._machine.arm_names, self._machine.stance.tracking_lag_s
         columns = [names.index(name) for name in follow.trajectory.names]
-        motions = []
         for time_s in (since_s - lag_s, since_s - lag_s / 2, since_s):
             q = np.array([sample.of(name)[0] for name in names])
             dq, ddq = np.zeros((2, len(names)))
             q[columns], dq[columns] = follow.trajectory.at(time_s)
             after, before = (follow.trajectory.at(time_s + by)[1] for by in (_STEP_S, -_STEP_S))
             ddq[columns] = (after - before) / (2 * _STEP_S)
-            motions.append((q, dq, ddq))
-        return motions
+            yield q, dq, ddq
 
     def _measured(self, sample: JointSample) -> _Motion:
         """Return the measured motion, with the mean acceleration since the look before."""
@@ -119,7 +128,7 @@ class DrivePressure:
         before = self._looks[-1]
         return q, dq, (dq - before.dq) / (sample.stamp_s - before.stamp_s)
 
-    def _needs(self, motions: Sequence[_Motion], up_base: Float) -> Float:
+    def _needs(self, motions: Iterable[_Motion], up_base: Float) -> Float:
         """Return the efforts of some motions, empty and loaded, shape (2 m, n)."""
         loads_kg = (0.0, self._machine.payload_kg)
         return np.array(
