@@ -1,0 +1,108 @@
+"""PlanPlacement, ticked to success and to failure."""
+
+import numpy as np
+import pytest
+
+from executive.behaviours.plan_placement import PlanPlacement
+from executive.geometry.pose import inverse, pose
+from executive.geometry.rotation import from_rpy
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.placing import PlacementPlanner
+from executive.messages.placement import Slot
+from executive.messages.request import MotionPlan
+from executive.messages.trajectory import JointTrajectory
+from executive.messages.weight import Weight
+from tests.behaviours.placing.scene import NO_PATH, NO_WAY, SLOTS, placement, plugins
+
+
+def test_the_first_placement_with_a_path_is_taken(stage, world, database):
+    first, second, third = placement(SLOTS[0]), placement(SLOTS[0]), placement(SLOTS[1])
+    planner = stage.Scripted(PlacementPlanner, plan=[(first, second), (third,)])
+    motion = stage.Scripted(MotionPlanner, move=[NO_WAY, NO_WAY, world.found])
+    plugins(world).update(placing=planner, motion=motion)
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 2")
+    assert ended.outputs == {"placement": third, "trajectory": world.path}
+    assert [asked["slot"].id for asked in planner.calls("plan")] == [1, 2]
+    assert {asked["stone"].id for asked in planner.calls("plan")} == {1}
+    requests = [asked["request"] for asked in motion.calls("move")]
+    np.testing.assert_array_equal(requests[-1].T_map_gripper, third.T_map_gripper)
+    own = len(database.stone(1).points_map)
+    assert [len(request.held_gripper) for request in requests] == [own] * 3
+    assert {request.jaw_rad for request in requests} == {0.6}
+
+
+def tilted_in_jaws(database, tilt_rad):
+    """Tilt the held stone 1 about its centroid, and turn it about the vertical."""
+    centre = pose(t=database.stone(1).centroid_map)
+    T = centre @ pose(from_rpy(tilt_rad, 0.0, 0.7)) @ inverse(centre)
+    return database.realign(1, T, 3.0, "in the jaws")
+
+
+def test_a_stone_that_was_tilted_in_the_jaws_is_turned_back_to_the_side_on_which_it_lay(
+    stage, world, database
+):
+    held = tilted_in_jaws(database, 0.48)
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS[:1])
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 1, turned back by 27.5°")
+    (asked,) = planner.calls("plan")
+    np.testing.assert_allclose(asked["stone"].T_map_object[2, :3], [0, 0, 1], atol=1e-9)
+    np.testing.assert_allclose(asked["stone"].centroid_map, held.centroid_map, atol=1e-9)
+    # The gripper moves with the stone.
+    in_jaws = [inverse(T) @ one.T_map_object for T, one in (
+        (asked["T_map_gripper"], asked["stone"]), (world.hold.T_map_gripper, held)
+    )]  # fmt: skip
+    np.testing.assert_allclose(*in_jaws, atol=1e-9)
+
+
+def test_a_tilted_stone_for_which_no_way_leads_to_its_rest_is_set_down_as_it_hangs(
+    stage, world, database
+):
+    tilted_in_jaws(database, 0.48)
+    last = placement(SLOTS[0])
+    planner = stage.Scripted(PlacementPlanner, plan=[(), (last,)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS[:1])
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 1")
+    assert ended.outputs["placement"] is last
+    hanging = planner.calls("plan")[1]["stone"]
+    np.testing.assert_array_equal(hanging.T_map_object, database.stone(1).T_map_object)
+
+
+def test_a_slot_with_a_pose_says_itself_how_the_stone_rests(stage, world, database):
+    tilted_in_jaws(database, 0.48)
+    slot = Slot(1, np.array([4.0, -3.0, 0.0]), T_map_object=pose(t=np.array([4.0, -3.0, 0.4])))
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(slot),)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    assert world.tick(PlanPlacement, hold=world.hold, free_slots=[slot]).reason == "slot 1"
+    assert len(planner.calls("plan")) == 1
+
+
+@pytest.mark.parametrize(("mass_kg", "status"), [(900.0, "SUCCESS"), (2900.0, "FAILURE")])
+def test_a_way_beyond_the_lift_capacity_is_no_way(stage, world, database, mass_kg, status):
+    """The arm swings out to 6 m at the side, where the machine carries 1 t."""
+    machine = world.leaf_context.machine()
+    far = dict(zip(machine.arm_names, machine.posture("carry"), strict=True))
+    far |= {"J_TURN": 1.57, "J_BOOM": 0.75, "J_DIPPER": 0.3, "J_TELE": 1.2, "J_EE_PITCH": -1.19}
+    position = np.stack([machine.posture("carry"), [*far.values()]])
+    way = JointTrajectory(machine.arm_names, np.array([0.0, 9.0]), position, 0 * position)
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),)])
+    motion = stage.Scripted(MotionPlanner, move=[MotionPlan(way, "", NO_PATH)])
+    plugins(world).update(placing=planner, motion=motion)
+    database.weigh(1, Weight(mass_kg, 20.0), 3.0)
+    given = {"lift_capacity": "iso_10567"}
+    ended = world.tick(PlanPlacement, settings=given, hold=world.hold, free_slots=SLOTS[:1])
+    assert ended.status == status
+    assert ("beyond the lift capacity" in ended.reason) == (status == "FAILURE")
+
+
+def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),), ()])
+    plugins(world)["placing"] = planner
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
+    assert ended.status == "FAILURE"
+    assert "slot 1: the boom would hit stone 2" in ended.reason
+    assert "no placement on slot 2 is in reach" in ended.reason
+    assert ended.outputs == {}
