@@ -15,8 +15,13 @@ from executive_plugins.estimation.factors import (
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
-from executive_plugins.estimation.inertial.state import InertialState, propagate_through
+from executive_plugins.estimation.inertial.state import (
+    DIMENSION,
+    InertialState,
+    propagate_through,
+)
 from executive_plugins.estimation.start.window_solution import levelled
+from scipy.linalg import solve_triangular
 from scipy.stats import chi2
 
 from executive.arrays import Float
@@ -27,6 +32,7 @@ CLOCK = gtsam.symbol("d", 0)  # key of the error of the receiver's clock, as far
 _TILT_STD_RAD = 0.3
 _HEADING_STD_RAD = 10.0  # no information (Nubert 2025)
 _VELOCITY_STD_M_S = 30.0
+_BY_CHANCE = 0.01  # probability of a misfit of few residuals that counts as chance
 _HELD_STD_RAD = 0.05  # of a heading that is held: far less than what a heading is known to
 
 
@@ -172,6 +178,23 @@ class WindowProblem:
                 squares.append(float(error @ np.linalg.solve(fix.covariance, error)))
         return np.array(squares)
 
+    def free(self, A: Float, root: Float) -> float:
+        """Return the degrees of freedom of the fixes' residuals: 3 F less their leverage.
+
+        Much of what is unknown is determined by priors and samples, and not by fixes.
+
+        Args:
+            A: Jacobian of all factors, whitened, shape (r, n).
+            root: Its triangular factor, shape (n, n).
+        """
+        rows: list[int] = []
+        first = 0
+        for i, (_, fixes) in enumerate(self._nodes):
+            rows += range(first, first + 3 * len(fixes))
+            first += 3 * len(fixes) + DIMENSION * (i + 1 < len(self._nodes))
+        leverage = solve_triangular(root, A[rows].T, trans="T")
+        return len(rows) - float(np.square(leverage).sum())
+
     def ordering(self) -> gtsam.Ordering:
         """Return all keys, the newest node's and the clock's last."""
         ordering = gtsam.Ordering()
@@ -183,14 +206,15 @@ class WindowProblem:
         return ordering
 
 
-def misfit(squares: Float, unknowns: int) -> float:
+def misfit(squares: Float, free: float, unknowns: int) -> float:
     """Return the factor on the variance of fixes that explains their residuals.
 
     Args:
         squares: Squared Mahalanobis distances of fixes from a solution, shape (F,).
-        unknowns: How many unknowns the fixes have determined.
+        free: Their number of degrees of freedom: 3 F less what the fixes have determined.
+        unknowns: Number of unknowns that fixes may determine. Fewer residuals than that tell only
+            of a misfit that chance does not explain.
     """
-    free = 3 * len(squares) - unknowns
-    if free < unknowns:  # too few to tell
+    if free <= 1.0 or (free < unknowns and squares.sum() <= chi2.isf(_BY_CHANCE, free)):
         return 1.0
     return float(np.median(squares) / chi2.median(3)) * 3 * len(squares) / free

@@ -265,13 +265,14 @@ class WindowStart:
         # By QR: the squares of biases that hardly walk and of the other states span 16 decades.
         A, _ = solution.graph.linearize(solution.values).jacobian(problem.ordering())
         n = DIMENSION + (self._clock_std_s > 0)
-        root = np.asarray(np.linalg.qr(A, mode="r"))[-n:, -n:]
-        P = covariance_of(root, state.R_map_imu)
+        root = np.asarray(np.linalg.qr(A, mode="r"))
+        P = covariance_of(root[-n:, -n:], state.R_map_imu)
         clock = ClockOffset()
         if n > DIMENSION:
             late_s = self._late_s + float(solution.values.atVector(CLOCK)[0])
             clock = ClockOffset(late_s, float(np.sqrt(P[-1, -1])), P[:DIMENSION, -1])
-        scale = max(1.0, self._fix_scale * misfit(problem.residuals2(solution.values), n))
+        squares, free = problem.residuals2(solution.values), problem.free(A, root)
+        scale = max(1.0, self._fix_scale * misfit(squares, free, n))
         return Hypothesis(solution.cost, state, P[:DIMENSION, :DIMENSION], clock, scale)
 
     def _carried(self, found: Found) -> Found:

@@ -7,7 +7,13 @@ from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import Inertial
-from executive_plugins.estimation.start.window_problem import CLOCK, Knowledge, WindowProblem
+from executive_plugins.estimation.start.window_problem import (
+    CLOCK,
+    Knowledge,
+    WindowProblem,
+    misfit,
+)
+from scipy.stats import chi2
 
 from executive.geometry.rotation import exp_so3, from_rpy
 
@@ -72,3 +78,36 @@ def test_with_any_heading_the_middle_of_the_antennas_stays_at_the_fixes(turn_rad
             np.testing.assert_allclose(
                 T[:3, :3] @ middle + T[:3, 3], truth[:3, :3] @ middle + truth[:3, 3], atol=1e-9
             )
+
+
+@pytest.mark.parametrize("clock_std_s", [0.0, 0.01])
+def test_the_degrees_of_freedom_are_what_the_residuals_show(clock_std_s: float) -> None:
+    """The fixes' squared residuals of the linear problem, with noise of all its factors."""
+    window = problem(0.3, clock_std_s)
+    A, _ = window.graph.linearize(window.guess(0.3)).jacobian(window.ordering())
+    root = np.linalg.qr(A, mode="r")
+    noise = np.random.default_rng(5).normal(0, 1, (len(A), 4000))
+    left = noise - A @ np.linalg.lstsq(A, noise, rcond=None)[0]
+    # For each node both fixes; then the samples up to the next.
+    rows = [21 * node + row for node in range(4) for row in range(6)]
+    shown = np.square(left[rows]).sum(axis=0).mean()
+    assert window.free(A, root) == pytest.approx(shown, rel=0.02)
+
+
+def squares_of(scale: float, count: int) -> np.ndarray:
+    """Return squared distances of fixes whose variance is larger by a factor."""
+    return scale * np.random.default_rng(7).chisquare(3, count)
+
+
+def test_the_misfit_of_many_fixes_is_the_factor_on_their_variance() -> None:
+    squares = squares_of(4.0, 4000)
+    assert misfit(squares, 12000.0, 16) == pytest.approx(4.0, rel=0.1)
+    assert misfit(squares, 6000.0, 16) == pytest.approx(8.0, rel=0.1)  # half are determined
+
+
+def test_few_fixes_tell_of_a_large_misfit_only() -> None:
+    few = np.array([2.0, 3.0, 4.0, 5.0])
+    assert misfit(few, 6.0, 16) == 1.0  # 14 are usual for six degrees of freedom
+    assert misfit(5 * few, 6.0, 16) == pytest.approx(5 * 3.5 / chi2.median(3) * 2)
+    assert misfit(5 * few, 1.0, 16) == 1.0  # all is determined by the fixes
+    assert misfit(few, 6.0, 6) == pytest.approx(3.5 / chi2.median(3) * 2)
