@@ -36,6 +36,13 @@ class Run:
         return account[-1].reason if account else ""
 
 
+def preload(names: Sequence[str]) -> None:
+    """Import estimators, so that processes that are forked from this one need not."""
+    for name in names:
+        if name != PEER:
+            registry.load("estimation", name)
+
+
 def replayed(name: str, log: DrawnLog, drops: Sequence[Drop] = ()) -> tuple[Replay, str]:
     """Run an estimator on a whole log.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from bounds import Bound, Figure, held, judged
 from drawn_logs.drawn_log import DrawnLog, draw_log
-from drawn_logs.estimators import PEER, replayed
+from drawn_logs.estimators import PEER, preload, replayed
 from drawn_logs.judge import Verdict, judge
 from forked import forked
 
@@ -39,6 +39,15 @@ class Outcome:
         return float(np.median(self.verdict.error_m[late])) if late.any() else float("inf")
 
     @property
+    def claimed(self) -> float:
+        """Share of the time before the outage from the first state that says GLOBAL on, in it."""
+        if self.verdict is None:
+            return float("nan")
+        before = self.verdict.stamps_s < (_SETTLED_S if self.outage_s else np.inf)
+        is_global = self.verdict.is_global[before] > 0
+        return float(is_global[is_global.argmax() :].mean()) if is_global.any() else float("nan")
+
+    @property
     def outage_m(self) -> float:
         """Distance from the truth at the end of the outage [m]; inf if there is no such state."""
         if self.verdict is None or not self.outage_s:
@@ -61,6 +70,7 @@ def columns(
         log = draw_log(seed, duration_s)
         return [_outcome(name, log, outage_s) for name in names]
 
+    preload(names)
     for outcomes in forked(of, seeds, jobs):
         for name, outcome in zip(names, outcomes, strict=True):
             found[name].append(outcome)
@@ -86,7 +96,7 @@ def _line(name: str, outcome: Outcome) -> str:
         return f"{outcome.log} | {name}: no state; {outcome.error or outcome.said}"
     return (
         f"{outcome.log} | {name}: from {verdict.started_s:.1f} s, median {outcome.median_m:.3f} m, "
-        f"{100 * verdict.inside:.0f} % inside"
+        f"{100 * verdict.inside:.0f} % inside, {100 * outcome.claimed:.0f} % GLOBAL"
         + (f", {outcome.outage_m:.2f} m after the outage" if outcome.outage_s else "")
     )
 
@@ -141,6 +151,11 @@ def _rows(found: Mapping[str, list[Outcome]]) -> Iterator[tuple[str, list[str]]]
         [f"{np.median(m):.3f}, {max(m):.3g}" if m else "-" for m in medians],
     )
     yield "inside the 95 % bound [% of the time]", [f"{100 * _inside(o):.0f}" for o in every]
+    claims = [[one.claimed for one in o if np.isfinite(one.claimed)] for o in every]
+    yield (
+        "GLOBAL once it was, before the outage [% of the time]: mean, least",
+        [f"{100 * np.mean(c):.1f}, {100 * min(c):.0f}" if c else "-" for c in claims],
+    )
 
 
 def figures(found: Mapping[str, list[Outcome]], name: str) -> list[Figure]:
