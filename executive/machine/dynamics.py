@@ -5,9 +5,8 @@ import pinocchio as pin
 
 from executive.arrays import Float
 from executive.machine.arm_model import ArmModel
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.machine import Machine
-
-GRAVITY_M_S2 = 9.81
 
 
 class Dynamics:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from executive.arrays import Bool, Float
-from executive.machine.dynamics import GRAVITY_M_S2, Dynamics
+from executive.machine.dynamics import Dynamics
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders

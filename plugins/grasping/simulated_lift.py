@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from executive_plugins.physics.contact import apply_contact
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.physics.surface import ContactModel
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between, exp_so3, quaternion_wxyz
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.gripper import SIDES, Gripper
 
 _TIMESTEP_S = 0.004

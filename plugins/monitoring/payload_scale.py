@@ -2,9 +2,9 @@
 
 import numpy as np
 import pinocchio as pin
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 
 from executive.arrays import Float
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.machine.sensor import Encoders

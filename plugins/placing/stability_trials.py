@@ -11,9 +11,9 @@ from executive_plugins.physics.stone_world import WorldRules, world_of
 from executive_plugins.physics.trial import TOUCHING_M, touches_of
 
 from executive.arrays import Float
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.messages.building import AsBuilt
 
-GRAVITY = 9.81
 _REST_S, _MOST_REST_S = 0.5, 2.0
 _MOVED_M = 0.10  # a stone that moved this far has left its place
 _COARSE_DEG, _FINE_DEG = 2.0, 1.0
@@ -60,7 +60,7 @@ class StabilityTrials:
 
     def _stands_at(self, angle_rad: float, towards: Float) -> bool:
         down = np.array([0.0, 0.0, -np.cos(angle_rad)])
-        self._world.model.opt.gravity[:] = GRAVITY * (down + np.sin(angle_rad) * towards)
+        self._world.model.opt.gravity[:] = GRAVITY_M_S2 * (down + np.sin(angle_rad) * towards)
         for number in range(1, round(_MOST_TILT_S / _CHECK_S) + 1):
             self._step(_CHECK_S)
             if np.linalg.norm(self._now() - self._places, axis=1).max() > _MOVED_M:
@@ -77,7 +77,7 @@ class StabilityTrials:
         first = self._world.model.body("stone_0").id
         for number in np.flatnonzero(is_top):
             mass = self._built.standing[number].stone.mass_kg
-            data.xfrc_applied[first + number, :3] = _PUSH_G * GRAVITY * mass * towards
+            data.xfrc_applied[first + number, :3] = _PUSH_G * GRAVITY_M_S2 * mass * towards
         self._step(_PUSH_S)
         data.xfrc_applied[:] = 0.0
         self._step(_AFTER_S)
@@ -115,5 +115,5 @@ class StabilityTrials:
 
     def _restore(self, state: Float) -> None:
         model, data = self._world.model, self._world.data
-        model.opt.gravity[:] = (0.0, 0.0, -GRAVITY)
+        model.opt.gravity[:] = (0.0, 0.0, -GRAVITY_M_S2)
         mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_INTEGRATION)

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import TypedDict, cast
 
 import numpy as np
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.robot.base_driver import BaseDriver, KeptBase
 from executive_plugins.robot.latch import Latch
 from executive_plugins.robot.sensor_noise import SensorNoise
@@ -20,6 +19,7 @@ from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis, log_so3
 from executive.interfaces.robot import Robot
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.command import Command, Drive, Follow, MoveJaws

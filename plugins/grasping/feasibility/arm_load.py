@@ -1,10 +1,10 @@
 """Static efforts of the arm with a stone in the jaws, compared with the limits of the joints."""
 
 import numpy as np
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 
 from executive.arrays import Float
 from executive.geometry.pose import transform
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 

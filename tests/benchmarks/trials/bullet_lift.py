@@ -11,7 +11,6 @@ from functools import cache
 import numpy as np
 import pybullet
 from executive_plugins.grasping.simulated_lift import FALLEN_M
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.physics.surface import ContactModel
 from pybullet_utils.bullet_client import BulletClient
 
@@ -19,6 +18,7 @@ from executive.arrays import Float
 from executive.geometry.convex import volume_and_centroid
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import angle_between, quaternion_wxyz
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.gripper import SIDES, Gripper
 
 _TIMESTEP_S, _ITERATIONS = 0.002, 200

@@ -8,10 +8,10 @@ from typing import TypedDict, cast
 
 import mujoco
 import numpy as np
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.robot.mujoco.physics_settings import PhysicsSettings
 
 from executive.arrays import Float
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 

@@ -9,13 +9,13 @@ from typing import ClassVar
 
 import mujoco
 import numpy as np
-from executive_plugins.physics.gravity import GRAVITY_M_S2
 from executive_plugins.physics.surface import Surface, round_patch
 from executive_plugins.robot.mujoco.physics_settings import LegSettings
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.errors import ConfigError, RobotError
+from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.machine import Machine
 
 _FOOT_RADIUS_M = 0.15
