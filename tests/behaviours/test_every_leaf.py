@@ -8,7 +8,8 @@ import pytest
 from executive.registry import BEHAVIOURS, installed, load
 
 HERE = Path(__file__)
-TESTS = "".join(path.read_text() for path in HERE.parent.glob("test_*_leaves.py"))
+FILES = [*HERE.parent.glob("test_*_leaves.py"), *HERE.parent.glob("placing/test_*.py")]
+TESTS = "".join(path.read_text() for path in FILES)
 SHIPPED = [one.name for one in installed(BEHAVIOURS) if one.distribution == "executive"]
 
 
