@@ -22,7 +22,7 @@ FORCE_N = 20e3
 class Fault(ABC):
     """Goes wrong once, in the first carry."""
 
-    seed: int
+    seeds: tuple[int, ...]
 
     def __init__(self):
         self.at_s = None
@@ -53,7 +53,7 @@ class Fault(ABC):
 class OpenJaws(Fault):
     """A valve opens the jaws: the stone falls. With this seed the second grasp holds."""
 
-    seed = 4
+    seeds = (4,)
 
     def begin(self, world):
         world.move_jaws(MoveJaws(world.machine.jaw.upper, FORCE_N))
@@ -65,12 +65,12 @@ class OpenJaws(Fault):
 class WetStone(Fault):
     """The stone is slippery for as long as it takes to slip by some centimetres.
 
-    Of the seeds 1 to 9 it is 1, 6, 8 and 9 that go the whole way that is tested here: slip told,
-    stone set down, found again, placed. With 2 and 7 it falls before it is set down, with 3 and 5
-    while it is, and with 4 it is carried to its place before it slips far enough.
+    Whether it falls before it stands differs between seeds and between processors. On the one on
+    which they were chosen it did not with 6, 1, 8 and 9; with 2 and 7 it fell before it was set
+    down, with 3 and 5 while it was, and with 4 it was carried to its place before it slipped.
     """
 
-    seed = 6
+    seeds = (6, 1, 8, 9)
 
     def begin(self, world):
         stone = world.model.body(world.site.stones[0].name)
@@ -93,13 +93,27 @@ class WetStone(Fault):
 
 
 @pytest.fixture(scope="module", params=[OpenJaws, WetStone])
-def fault(request):
-    return request.param()
+def made(request, run_mission):
+    """Return a fault, and the mission of the first of its seeds with which it comes as described.
+
+    That is told by the truth of the first grasp: a stone that slips has not fallen.
+    """
+    for seed in request.param.seeds:
+        fault = request.param()
+        finished = run_mission("robot.site.stones.count=1", after_tick=fault, seed=seed)
+        if finished.report["truth"]["grasps"][0]["dropped"] is (request.param is OpenJaws):
+            return fault, finished
+    return pytest.fail(f"the fault did not come as described with any of {request.param.seeds}")
 
 
 @pytest.fixture(scope="module")
-def finished(run_mission, fault):
-    return run_mission("robot.site.stones.count=1", after_tick=fault, seed=fault.seed)
+def fault(made):
+    return made[0]
+
+
+@pytest.fixture(scope="module")
+def finished(made):
+    return made[1]
 
 
 @pytest.fixture
@@ -146,6 +160,8 @@ def test_it_lets_go_looks_again_and_takes_the_stone_anew(finished):
     events = finished.events(*carry, *recovery, *placed)
     # A look from the way up may leave it in doubt; the scan that follows does not.
     told = [line["kind"] for line in events if line["payload"].get("accepted", True)]
+    end = told.index("stone_released")
+    told[end:] = [kind for kind in told[end:] if kind != "place_forgotten"]  # for that scan
     again = finished.report["counts"]["attempts"] - 1
     assert told == [*[*carry, *recovery] * again, *carry, *placed]
 
