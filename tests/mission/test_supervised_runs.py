@@ -55,7 +55,7 @@ def run_of(folder, environment, text, *words):
 
 
 def wait_until(is_so):
-    limit_s = time.monotonic() + 60
+    limit_s = time.monotonic() + 240
     while not is_so():
         assert time.monotonic() < limit_s
         time.sleep(0.05)
