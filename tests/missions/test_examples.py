@@ -36,8 +36,9 @@ def clear_corridor(example):
 
 @pytest.fixture(scope="module")
 def two_courses(example):
-    # In `nominal` its last look takes a stone that stands where it should for another one.
-    return example("two_courses", "--set", "robot.scenario=kind")
+    # In `nominal`, and with seed 1 on some processors, its last look takes a stone that stands
+    # where it should for another one, or leaves it in doubt.
+    return example("two_courses", "--seed", "2", "--set", "robot.scenario=kind")
 
 
 @pytest.fixture(scope="module")
