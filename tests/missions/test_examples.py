@@ -36,8 +36,8 @@ def clear_corridor(example):
 
 @pytest.fixture(scope="module")
 def two_courses(example):
-    # In `nominal`, and with seed 1 on some processors, its last look takes a stone that stands
-    # where it should for another one, or leaves it in doubt.
+    # In `nominal` its last look takes a stone that stands where it should for another one. With
+    # seed 1 it leaves such a stone in doubt: another turn of its form fits nearly as well.
     return example("two_courses", "--seed", "2", "--set", "robot.scenario=kind")
 
 
