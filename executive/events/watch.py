@@ -21,6 +21,19 @@ class ObservationRefused(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SamplesMissing(Event):
+    """A sample of a sensor has not come; told of the first, second, fourth, eighth … gap.
+
+    Attributes:
+        sensor: The sensor of the machine.
+        gaps: Number of the gaps in its stream so far.
+    """
+
+    sensor: str
+    gaps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ConditionBroken(Event):
     """A watched condition no longer holds.
 

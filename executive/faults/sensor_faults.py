@@ -149,10 +149,25 @@ class Delayed(FaultySensor):
 
 
 class Intermittent(FaultySensor):
-    """Loses samples by chance."""
+    """Loses samples by chance; the first one of each sensor always, so that the fault begins."""
+
+    def __init__(self, fault: SensorFault, machine: Machine, rng: np.random.Generator) -> None:
+        super().__init__(fault, machine, rng)
+        self._begun: set[str] = set()
+
+    def begin(self) -> None:
+        self._begun.clear()
 
     def alter(self, observation: Observation, now_s: float) -> Sequence[Observation]:
-        return () if self._rng.random() < (self.fault.share or _LOST_SHARE) else (observation,)
+        name, has_luck = self.sensor(observation).name, self._rng.random() >= self._share
+        if name in self._begun and has_luck:
+            return (observation,)
+        self._begun.add(name)
+        return ()
+
+    @property
+    def _share(self) -> float:
+        return self.fault.share or _LOST_SHARE
 
 
 class Duplicate(FaultySensor):

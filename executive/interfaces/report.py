@@ -219,6 +219,7 @@ class MissionReport:
         structures: What was built.
         ignored_observations: Number of observations by type that no plugin takes.
         refused_observations: Number of observations by sensor and reason that cannot be true.
+        missing_samples: Number of samples by sensor that did not come while they were due.
         scans_not_fused: Number of scans that the map did not take.
         stale_states: Number of states that were older than they may be when they were judged.
         faults: Faults on purpose.
@@ -248,6 +249,7 @@ class MissionReport:
     structures: tuple[BuildingEnded, ...]
     ignored_observations: Mapping[str, int]
     refused_observations: Mapping[str, int] | None = None
+    missing_samples: Mapping[str, int] | None = None
     scans_not_fused: int = 0
     stale_states: int = 0
     faults: tuple[InjectedFault, ...] = ()

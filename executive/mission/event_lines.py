@@ -6,7 +6,9 @@ from executive.events.event import Event
 
 def line_of(event: Event) -> str:
     """Return what a person is shown of an event; empty for what is not worth a line."""
-    lines = (of(event) for of in (_of_site, _of_stone, _of_mission, _of_faults_and_people))
+    lines = (
+        of(event) for of in (_of_site, _of_stone, _of_mission, _of_watch, _of_faults_and_people)
+    )
     return next(filter(None, lines), "")
 
 
@@ -118,17 +120,13 @@ def _of_late_tick(event: mission.TickLate) -> str:
     return f"{line}: {event.cause} took {took:.0f} ms, {computed:.0f} ms of it computed"
 
 
-def _of_faults_and_people(event: Event) -> str:
-    """Return what is injected, refused, watched, or asked for by a person."""
+def _of_watch(event: Event) -> str:
+    """Return what is refused, missing, or no longer holds."""
     match event:
-        case fault.FaultInjected():
-            return f"fault {event.number} on purpose: {event.target} {event.how}"
-        case fault.FaultShows():
-            return f"fault {event.number} on purpose shows: {event.withheld:.3f} off the path"
-        case fault.FaultRemoved():
-            return f"fault {event.number} on purpose is over"
         case watch.ObservationRefused():
             return f"warning: {event.sensor}: an observation is refused: {event.reason}"
+        case watch.SamplesMissing():
+            return f"warning: {event.sensor}: samples are missing, gap {event.gaps}"
         case watch.ConditionBroken():
             return f"warning: {event.reason}"
         case watch.ConditionRestored():
@@ -137,6 +135,18 @@ def _of_faults_and_people(event: Event) -> str:
             return f"warning: scans are not fused: {event.reason}"
         case watch.MissionWentOn():
             return f"goes on after a hold of {event.held_s:.1f} s: {event.reason}"
+    return ""
+
+
+def _of_faults_and_people(event: Event) -> str:
+    """Return what is done on purpose, or asked for by a person."""
+    match event:
+        case fault.FaultInjected():
+            return f"fault {event.number} on purpose: {event.target} {event.how}"
+        case fault.FaultShows():
+            return f"fault {event.number} on purpose shows: {event.withheld:.3f} off the path"
+        case fault.FaultRemoved():
+            return f"fault {event.number} on purpose is over"
         case control.ControlRequested():
             done = "" if event.is_done else " is refused"
             words = " ".join(filter(None, (event.verb, event.argument, event.target)))

@@ -11,7 +11,7 @@ from executive.arrays import Float
 from executive.clock import Clock
 from executive.events.event import Event
 from executive.events.mission import Fault as FaultRecord
-from executive.events.watch import ObservationRefused, ScansNotFused
+from executive.events.watch import ObservationRefused, SamplesMissing, ScansNotFused
 from executive.faults.description import Fault
 from executive.faults.tap import tap
 from executive.interfaces.robot import Robot
@@ -113,6 +113,9 @@ class Guard(StreamGuard):
                 since then makes no sample older.
         """
         troubles = dict(self._ages.troubles(now_s))
+        for sensor, gaps in self._ages.gaps(now_s):
+            if sensor not in troubles:  # its condition tells it otherwise
+                self._record(SamplesMissing(sensor, gaps))
         sample = self._streams.joints if self._streams is not None else None
         if sample is not None:
             troubles |= self._motion.troubles(sample, self._watch.rules)
@@ -122,6 +125,10 @@ class Guard(StreamGuard):
             if estimate and self._is_localised and ESTIMATE in self._watch.rules:
                 troubles[ESTIMATE] = estimate
         return self._watch.step(troubles, now_s)
+
+    def missing(self) -> Mapping[str, int]:
+        """Return how many samples of each sensor have not come, where any have not."""
+        return self._ages.missing()
 
     def judge(self, state: BaseState) -> None:
         """Take a state that the report judges; one that is too old counts as the state of now.

@@ -68,6 +68,7 @@ class RunReport:
             structures=findings.structures,
             ignored_observations={} if mission is None else dict(mission.services.streams.ignored),
             refused_observations=None if guard is None else dict(guard.refused),
+            missing_samples=None if guard is None else guard.missing(),
             scans_not_fused=0 if guard is None else guard.scans_not_fused,
             stale_states=0 if guard is None else guard.stale_states,
             faults=() if mission is None else mission.injector.report(),

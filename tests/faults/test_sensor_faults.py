@@ -161,6 +161,16 @@ def test_an_intermittent_sensor_loses_the_same_samples_for_the_same_seed(sensor)
     assert stamps(1) == stamps(1) != stamps(2)
 
 
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_an_intermittent_sensor_loses_its_first_sample(sensor, seed):
+    fault = {"sensor": sensor, "how": "intermittent", "at": 0.3, "share": 0.01}
+    usual = samples(run(sensor="lidar", how="silent", at=99)[0], sensor, 0.28)
+    arrived = samples(run(seed=seed, **fault)[0], sensor, 0.28)
+    assert len(usual) - 1 >= len(arrived) > 0.5 * len(usual) - 1
+    assert arrived[0].stamp_s > usual[0].stamp_s
+
+
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_nan_duplicates_and_jumps_of_the_clock(sensor):
     bad = samples(run(sensor=sensor, how="nan", at=0.3)[0], sensor, 0.28)

@@ -159,6 +159,7 @@ WHOLE: dict[str, Any] = {
     ],
     "ignored_observations": {"Strange": 7},
     "refused_observations": {"imu: too fast": 2},
+    "missing_samples": {"gnss_left": 12},
     "scans_not_fused": 3,
     "stale_states": 4,
     "faults": [
@@ -223,8 +224,8 @@ def test_what_was_read_has_types(path: Path) -> None:
 
 def test_fields_that_tell_nothing_are_left_out_and_may_be_absent(path: Path) -> None:
     written = blank(MissionReport, truth=blank(Truth)).payload()
-    optional = ("refused_observations", "scans_not_fused", "stale_states", "faults")
-    assert not {*optional, "pauses", "late_ticks"} & written.keys()
+    optional = ("refused_observations", "missing_samples", "scans_not_fused", "stale_states")
+    assert not {*optional, "faults", "pauses", "late_ticks"} & written.keys()
     assert written["fault"] is None
     assert written["picks"] == []
     truth: Any = written["truth"]
@@ -263,14 +264,14 @@ def places(value: object, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 # and the one field of the map's errors, which are then nothing.
 FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations", "causes")
 OPTIONAL = {
-    "refused_observations", "scans_not_fused", "stale_states", "faults", "pauses", "late_ticks",
-    "truth", "volume_m3", "worst_cause", "causes",
+    "refused_observations", "missing_samples", "scans_not_fused", "stale_states", "faults",
+    "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes",
 }  # fmt: skip
 NEEDED = [
     at
     for at in places(WHOLE)
     if (at[-1] not in OPTIONAL or at[:2] == ("truth", "stones"))
-    and (len(at) < 2 or at[-2] not in (*FREE, "refused_observations"))
+    and (len(at) < 2 or at[-2] not in (*FREE, "refused_observations", "missing_samples"))
     and at != ("truth", "map", "distance_m")
 ]
 

@@ -87,6 +87,7 @@ LINES = {
     "fault 2 on purpose shows: 0.123 off the path": fault.FaultShows(2, 0.1234),
     "fault 2 on purpose is over": fault.FaultRemoved(2, "imu", "silent", 5),
     "warning: gnss: an observation is refused: NaN": watch.ObservationRefused("gnss", "NaN", 1.0),
+    "warning: gnss_left: samples are missing, gap 4": watch.SamplesMissing("gnss_left", 4),
     "warning: gnss is silent": watch.ConditionBroken("gnss", "gnss is silent"),
     "gnss is well again after 2.5 s": watch.ConditionRestored("gnss", 2.49),
     "warning: scans are not fused: no pose": watch.ScansNotFused("no pose"),

@@ -57,3 +57,65 @@ def test_lidars_are_due_while_they_are_on_from_their_second_revolution_on() -> N
     assert LIDAR.name in ages.troubles(200.0)
     ages.command(SwitchLidars(False), 201.0)
     assert LIDAR.name not in ages.troubles(1e3)
+
+
+GNSS = MACHINE.sensors["gnss_left"]
+GNSS_PERIOD_S = 1.0 / GNSS.rate_hz
+
+
+def streamed(ages: Ages, periods: "set[int]", until: int) -> "list[tuple[str, int]]":
+    """Return what is told of gaps while one antenna sends samples of some periods only."""
+    told: list[tuple[str, int]] = []
+    for k in range(1, until + 1):
+        if k in periods:
+            ages.take(GNSS.name, k * GNSS_PERIOD_S, "")
+        told += [
+            one for one in ages.gaps(k * GNSS_PERIOD_S + GNSS.latency_s) if one[0] == GNSS.name
+        ]
+    return told
+
+
+def test_a_stream_that_is_complete_has_no_gap() -> None:
+    ages = Ages(MACHINE, frozenset(), 0.0)
+    assert streamed(ages, set(range(1, 51)), 50) == []
+    assert GNSS.name not in ages.missing()
+
+
+def test_a_gap_is_told_when_the_next_but_one_sample_is_due() -> None:
+    ages = Ages(MACHINE, frozenset(), 0.0)
+    assert streamed(ages, {1, 2}, 3) == []  # the third may still be on its way
+    assert GNSS.name not in dict(ages.gaps(3.9 * GNSS_PERIOD_S + GNSS.latency_s))
+    assert (GNSS.name, 1) in list(ages.gaps(4 * GNSS_PERIOD_S + GNSS.latency_s))
+    assert ages.missing()[GNSS.name] == 1
+    assert GNSS.name not in dict(ages.gaps(5 * GNSS_PERIOD_S + GNSS.latency_s))  # the same gap
+    assert ages.missing()[GNSS.name] == 2
+
+
+def test_missing_samples_are_counted_and_told_ever_more_seldom() -> None:
+    ages = Ages(MACHINE, frozenset(), 0.0)
+    every_fourth = set(range(1, 401, 4))
+    assert streamed(ages, every_fourth, 397) == [(GNSS.name, 2**n) for n in range(7)]
+    assert ages.missing()[GNSS.name] == 3 * 99
+
+
+def test_a_sample_that_is_missing_alone_is_counted_when_the_next_one_comes() -> None:
+    ages = Ages(MACHINE, frozenset(), 0.0)
+    streamed(ages, {1, 2, 4, 5}, 5)
+    assert ages.missing()[GNSS.name] == 1
+
+
+def test_a_sample_that_is_refused_is_not_missing() -> None:
+    ages = Ages(MACHINE, frozenset(), 0.0)
+    ages.take(GNSS.name, GNSS_PERIOD_S, "")
+    ages.take(GNSS.name, 2 * GNSS_PERIOD_S, "holds values that are not finite")
+    assert GNSS.name not in dict(ages.gaps(10.0))
+    ages.take(GNSS.name, 10.0, "")
+    assert GNSS.name not in ages.missing()
+
+
+def test_a_lidar_that_is_off_misses_nothing() -> None:
+    ages = Ages(MACHINE, frozenset(), 0.0)
+    assert LIDAR.name not in dict(ages.gaps(100.0))
+    ages.command(SwitchLidars(True), 100.0)
+    assert LIDAR.name not in dict(ages.gaps(100.0 + 3 / LIDAR.rate_hz))
+    assert LIDAR.name in dict(ages.gaps(101.0))

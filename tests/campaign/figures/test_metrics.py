@@ -20,7 +20,7 @@ from executive.events.stone import (
     StoneRealigned,
     StoneReleased,
 )
-from executive.events.watch import ConditionBroken
+from executive.events.watch import ConditionBroken, SamplesMissing
 from executive.interfaces.metric import RunRecord, Share, TimedEvent, Values
 from executive.interfaces.report import (
     AttemptReport,
@@ -315,6 +315,9 @@ def test_a_run_that_holds_nothing_to_measure_has_no_value(name: str) -> None:
 def test_a_fault_that_nothing_notices_counts_as_missed() -> None:
     assert measured("faults_noticed", REPORT, BLIND) == Share(3, 4)
     assert measured("notice_time", REPORT, BLIND).values == (1.5, 2.0, 0.0)
+    told = (*BLIND, at(48.25, SamplesMissing("gnss", 1)))
+    assert measured("faults_noticed", REPORT, told) == Share(4, 4)
+    assert measured("notice_time", REPORT, told).values == (1.5, 2.0, 0.0, 0.25)
     true = with_truth(stones=(of_stone(1, 1, 0.30, 0.30),))
     assert measured("faulty_success", true, EVENTS) == Share(0, 1)
     assert measured("faulty_success", true, BLIND) == Share(1, 1)

@@ -5,11 +5,18 @@ from collections.abc import Iterator
 from executive.campaign.figures.metrics.report import stones
 from executive.events.fault import FaultInjected, FaultShows
 from executive.events.mission import Faulted, PluginFailed, VerdictGiven
-from executive.events.watch import ConditionBroken, ObservationRefused
+from executive.events.watch import ConditionBroken, ObservationRefused, SamplesMissing
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
 from executive.mission.report import NEAR_M
 
-_NOTICES = (ObservationRefused, ConditionBroken, VerdictGiven, Faulted, PluginFailed)
+_NOTICES = (
+    ObservationRefused,
+    SamplesMissing,
+    ConditionBroken,
+    VerdictGiven,
+    Faulted,
+    PluginFailed,
+)
 
 
 class FaultsNoticed(Metric):
@@ -18,8 +25,9 @@ class FaultsNoticed(Metric):
     title = "faults noticed"
     is_share = True
     description = (
-        "Faults on purpose after whose begin an observation was refused, a watched condition was"
-        " broken, a monitor gave a verdict, or a plugin failed, out of all that were injected."
+        "Faults on purpose after whose begin an observation was refused, a sample was missing, a"
+        " watched condition was broken, a monitor gave a verdict, or a plugin failed, out of all"
+        " that were injected."
     )
 
     def measure(self, run: RunRecord) -> Share | None:
