@@ -9,8 +9,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SLOW = frozenset((Path(__file__).with_name("slow.txt")).read_text().split("\n"))
 
-# Half more than the tests of one core take at most (6.8 GB). A test that goes beyond gets a MemoryError; the
-# system would end one of the processes, and nobody would know for which test.
+# Half more than the tests of one core take at most (6.8 GB). A test that goes beyond gets a
+# MemoryError; the system would end one of the processes, and nobody would know for which test.
 MOST_BYTES = 10 * 1024**3
 
 
