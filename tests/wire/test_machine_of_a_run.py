@@ -86,19 +86,20 @@ def test_a_machine_that_cannot_be_built_is_a_wrong_input(tmp_path):
 def swinging(tmp_path):
     """A run whose machine swings its cabin, in a group of its own; its folder and process."""
     line = [*words(tmp_path, "60 s"), "--real-time"]
+    run, link = tmp_path / "run", MachineLink()
     with subprocess.Popen(line, cwd=tmp_path, start_new_session=True) as process:
-        run = tmp_path / "run"
-        awaited(lambda: (run / "machine.address").is_file() and (run / "control.sock").exists())
-        link = MachineLink()
-        address = (run / "machine.address").read_text().strip()
-        awaited(lambda: report_of(link, address).get("speed", 0.0) > 0.02)
-        yield tmp_path, process, link, address
-        link.close()
-        machine = listener_at(address)
-        if machine:
-            os.kill(machine, signal.SIGTERM)
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
+        try:
+            awaited(lambda: (run / "machine.address").is_file() and (run / "control.sock").exists())
+            address = (run / "machine.address").read_text().strip()
+            awaited(lambda: report_of(link, address).get("speed", 0.0) > 0.02)
+            yield tmp_path, process, link, address
+            machine = listener_at(address)
+            if machine:
+                os.kill(machine, signal.SIGTERM)
+        finally:
+            link.close()
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def report_of(link, address):
