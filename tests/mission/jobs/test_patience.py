@@ -1,6 +1,8 @@
 """How long the answer of a verb is awaited, on clocks that the test sets."""
 
+import signal
 import time
+from collections.abc import Iterator
 
 import pytest
 
@@ -102,3 +104,42 @@ def test_the_alarm_rings_again_when_a_call_has_computed_enough() -> None:
 def test_the_alarm_ends_a_call_that_hangs() -> None:
     with pytest.raises(Overdue), alarm(Patience(0.05, time.process_time)):
         time.sleep(1.0)
+
+
+@pytest.fixture
+def rings() -> Iterator[list[float]]:
+    """When the timer of somebody else has rung [s]; it runs no longer after the test."""
+    rung: list[float] = []
+    handler = signal.signal(signal.SIGALRM, lambda *_: rung.append(time.monotonic()))
+    timer = signal.setitimer(signal.ITIMER_REAL, 0.0)
+    yield rung
+    signal.signal(signal.SIGALRM, handler)
+    signal.setitimer(signal.ITIMER_REAL, *timer)
+
+
+def test_a_timer_that_runs_already_counts_the_time_of_the_block(rings: list[float]) -> None:
+    signal.setitimer(signal.ITIMER_REAL, 0.1)
+    with alarm(Patience(10.0)):
+        time.sleep(0.2)
+        assert not rings
+    time.sleep(0.05)
+    assert len(rings) == 1
+
+
+def test_a_timer_rings_at_its_time_after_the_block(rings: list[float]) -> None:
+    begun_s = time.monotonic()
+    signal.setitimer(signal.ITIMER_REAL, 1.2)
+    with alarm(Patience(10.0)):
+        time.sleep(1.0)
+    while not rings:
+        assert time.monotonic() - begun_s < 10.0
+        time.sleep(0.005)
+    assert 1.19 < rings[0] - begun_s < 2.0
+
+
+def test_without_a_timer_before_it_none_runs_after_the_block(rings: list[float]) -> None:
+    with alarm(Patience(0.05)):
+        pass
+    time.sleep(0.1)
+    assert not rings
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
