@@ -3,6 +3,7 @@
 import gc
 import multiprocessing as mp
 import os
+import resource
 import tempfile
 from pathlib import Path
 
@@ -52,11 +53,12 @@ FILES_MB = Bound(50.0)
 
 
 class Waits:
-    """What this process's main thread did: the time on a core, and waiting for one [ms]."""
+    """What this process's main thread did: its time on a core, in the system, and waiting."""
 
     def __init__(self) -> None:
         self._file = os.open("/proc/thread-self/schedstat", os.O_RDONLY)
         self._last = self._read()
+        self._used = resource.getrusage(resource.RUSAGE_THREAD)
         self._collects_s = self._began_s = 0.0
         gc.callbacks.append(self._collect)
 
@@ -73,10 +75,13 @@ class Waits:
     def told(self) -> str:
         """Say where the time since the last call went."""
         now, last, collects_ms = self._read(), self._last, 1e3 * self._collects_s
-        self._last, self._collects_s = now, 0.0
+        used, before = resource.getrusage(resource.RUSAGE_THREAD), self._used
+        self._last, self._used, self._collects_s = now, used, 0.0
         return (
-            f"{now[0] - last[0]:.0f} ms on a core, {now[1] - last[1]:.0f} ms waiting for one, "
-            f"{collects_ms:.0f} ms in the garbage collector"
+            f"{now[0] - last[0]:.0f} ms on a core, {1e3 * (used.ru_stime - before.ru_stime):.0f} ms"
+            f" of it in the system, {used.ru_majflt - before.ru_majflt} pages from the disk,"
+            f" {now[1] - last[1]:.0f} ms waiting for a core, {collects_ms:.0f} ms in the garbage"
+            " collector"
         )
 
 
