@@ -2,6 +2,7 @@
 
 import socket
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 
@@ -51,7 +52,7 @@ def test_an_end_that_takes_nothing_has_failed_after_a_quarter_of_a_second(
         waits.append(left_s)
         return [], [], []
 
-    monkeypatch.setattr(connection.select, "select", waits_in_vain)
+    monkeypatch.setattr(connection, "select", SimpleNamespace(select=waits_in_vain))
     assert one.send(LARGE) is False
     assert not one.is_open
     assert len(waits) == 1
@@ -68,7 +69,7 @@ def test_an_end_that_takes_again_in_time_gets_the_whole_frame(
         taken.extend(theirs.recv(1 << 22))
         return reads, writes, errors
 
-    monkeypatch.setattr(connection.select, "select", takes)
+    monkeypatch.setattr(connection, "select", SimpleNamespace(select=takes))
     assert one.send(LARGE) is True
     theirs.setblocking(False)
     while len(taken) < len(LARGE.packed()):
@@ -81,7 +82,7 @@ def test_a_slow_end_has_a_quarter_of_a_second_for_a_frame_and_not_for_each_part(
 ) -> None:
     one, theirs = ends
     now = iter([0.0, 0.1, 0.2, 0.3, 0.4])
-    monkeypatch.setattr(connection.time, "monotonic", lambda: next(now))
+    monkeypatch.setattr(connection, "time", SimpleNamespace(monotonic=lambda: next(now)))
     waits: list[float] = []
 
     def takes_a_little(reads: list, writes: list, errors: list, left_s: float) -> tuple:
@@ -89,7 +90,7 @@ def test_a_slow_end_has_a_quarter_of_a_second_for_a_frame_and_not_for_each_part(
         theirs.recv(1000)
         return reads, writes, errors
 
-    monkeypatch.setattr(connection.select, "select", takes_a_little)
+    monkeypatch.setattr(connection, "select", SimpleNamespace(select=takes_a_little))
     assert one.send(LARGE) is False
     assert waits == pytest.approx([0.15, 0.05])
 

@@ -235,7 +235,8 @@ def test_a_late_answer_costs_mission_time_in_lock_step_and_sleep_else(
 
 def test_a_late_answer_is_the_answer_after_its_sleep(monkeypatch: pytest.MonkeyPatch) -> None:
     slept: list[float] = []
-    monkeypatch.setattr("executive.faults.plugin_faults.time.sleep", slept.append)
+    clock = SimpleNamespace(sleep=slept.append)
+    monkeypatch.setattr("executive.faults.plugin_faults.time", clock)
     call = decided(CALL, fault("late", 0.4), is_lock_step=False)
     assert call.of(Plugin()) == 7.0
     assert slept == [0.4]

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -226,8 +227,10 @@ class Program:
         monkeypatch.setattr(live_viewer.subprocess, "Popen", self._start)
         monkeypatch.setattr(live_viewer, "_listens", self._listens)
         monkeypatch.setattr(live_viewer, "_end", lambda started: self._status)
-        monkeypatch.setattr(live_viewer.time, "sleep", self._sleep)
-        monkeypatch.setattr(live_viewer.time, "monotonic", lambda: self.now_s)
+        # Its name of the module, and not the module: threads that other tests have left behind
+        # would sleep by this clock as well, not at all, and note it without an end.
+        clock = SimpleNamespace(sleep=self._sleep, monotonic=lambda: self.now_s)
+        monkeypatch.setattr(live_viewer, "time", clock)
 
     def _start(self, words, **how):
         self.words, self.how = words, how
