@@ -50,7 +50,13 @@ def parse_quantity(value: Any, dimension: str) -> float:
         got = "nothing" if value is None else str(value).lower()
         raise ValueError(f"expected {_expected(dimension)}, got {got}")
     if isinstance(value, int | float):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:
+            digits = int(math.log10(abs(value))) + 1
+            raise ValueError(
+                f"expected {_expected(dimension)}, got a number of {digits} digits"
+            ) from None
     match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
     if match is None:
         raise ValueError(f"expected {_expected(dimension)}, got {value!r}")

@@ -60,6 +60,11 @@ def test_what_is_no_quantity_is_refused_with_the_units(value: object) -> None:
         parse_quantity(value, "time")
 
 
+def test_a_number_that_no_float_holds_is_refused_with_its_digits() -> None:
+    with pytest.raises(ValueError, match=r"expected a length .*, got a number of 401 digits"):
+        parse_quantity(10**400, "length")
+
+
 def test_a_unit_of_another_dimension_is_named() -> None:
     with pytest.raises(ValueError, match="'kg' is not a unit of length"):
         parse_quantity("3 kg", "length")

@@ -6,7 +6,7 @@ from executive.tree.reading import Reading
 from executive.tree.value import Broken, Listing, Scalar, Value, describe
 
 MOST = 1_000_000  # seeds, and trials: a campaign of more is hardly meant
-_RANGE = re.compile(r"(\d+):(\d+)")
+_RANGE = re.compile(r"(\d{1,20}):(\d{1,20})")  # int() refuses more than 4,300 digits
 
 
 def read_seeds(value: Value, reading: Reading) -> tuple[int, ...]:

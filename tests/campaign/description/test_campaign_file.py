@@ -63,6 +63,7 @@ def test_ten_mistakes_get_ten_messages_each_with_place_and_cure() -> None:
         ("seeds: [1, -2]", "4:12 a seed is a whole number from 0, or a range such as 1:20, not -2"),
         ("seeds: ['1:3', 2]", "4:16 seed 2 is given twice"),
         ("seeds: 0:99999999", "4:8 more than 1,000,000 seeds"),
+        (f"seeds: 0:{'9' * 5000}", "4:8 a seed is a whole number from 0, or a range such as 1:20"),
         ("seeds: 1\nfaults: x", "5:1 a campaign file has no 'faults'"),
         ("seeds: 1\nvariants: {}", "5:11 factor 'variant' needs at least one level"),
         ("seeds: 1\nfactors: {x: [1]}", "5:11 a list of values belongs to a setting"),
