@@ -57,7 +57,8 @@ class Waits:
 
     def __init__(self) -> None:
         self._file = os.open("/proc/thread-self/schedstat", os.O_RDONLY)
-        self._last = self._read()
+        self._cores = os.open("/proc/stat", os.O_RDONLY)
+        self._last, self._stolen_ms = self._read(), self._stolen()
         self._used = resource.getrusage(resource.RUSAGE_THREAD)
         self._collects_s = self._began_s = 0.0
         gc.callbacks.append(self._collect)
@@ -65,6 +66,11 @@ class Waits:
     def _read(self) -> tuple[float, float]:
         on_core, waited, _ = os.pread(self._file, 100, 0).split()
         return 1e-6 * int(on_core), 1e-6 * int(waited)
+
+    def _stolen(self) -> float:
+        """Return for how long the computer's host has kept all cores to itself [ms]."""
+        fields = os.pread(self._cores, 200, 0).split(b"\n", 1)[0].split()
+        return 1e3 * float(fields[8]) / os.sysconf("SC_CLK_TCK")
 
     def _collect(self, phase: str, _info: object) -> None:
         if phase == "start":
@@ -76,12 +82,14 @@ class Waits:
         """Say where the time since the last call went."""
         now, last, collects_ms = self._read(), self._last, 1e3 * self._collects_s
         used, before = resource.getrusage(resource.RUSAGE_THREAD), self._used
+        stolen_ms = self._stolen() - self._stolen_ms
         self._last, self._used, self._collects_s = now, used, 0.0
+        self._stolen_ms += stolen_ms
         return (
             f"{now[0] - last[0]:.0f} ms on a core, {1e3 * (used.ru_stime - before.ru_stime):.0f} ms"
             f" of it in the system, {used.ru_majflt - before.ru_majflt} pages from the disk,"
             f" {now[1] - last[1]:.0f} ms waiting for a core, {collects_ms:.0f} ms in the garbage"
-            " collector"
+            f" collector; the host of a virtual machine took {stolen_ms:.0f} ms of all cores"
         )
 
 
@@ -95,7 +103,8 @@ class Minutes:
         self._minutes, self._folder = minutes, folder
         self._begun_s = self._last_s = 0.0
         self._waits: Waits | None = None
-        self.intervals_ms = np.empty(int(minutes * 60e3 / TICK_MS * 1.1), dtype=np.float32)
+        # Filled, so that its pages are there from the start and count as no growth of memory.
+        self.intervals_ms = np.full(int(minutes * 60e3 / TICK_MS * 1.1), np.nan, dtype=np.float32)
         self.count = 0
         self.memory_mb: list[float] = []
         self.files_mb: list[float] = []
