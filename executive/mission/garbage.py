@@ -23,16 +23,21 @@ def left_alone(is_real_time: bool) -> Iterator[None]:
     if not is_real_time:
         yield
         return
-    gc.collect()
-    gc.freeze()
-    # Python collects all again when a quarter as many objects are new as the last collection has
-    # left: those that are frozen must not count, or 200,000 objects of garbage are kept.
-    gc.collect()
+    spare_what_is_made()
     try:
         with _pages_returned():
             yield
     finally:
         gc.unfreeze()
+
+
+def spare_what_is_made() -> None:
+    """Let the collector look only at what is made from now on."""
+    gc.collect()
+    gc.freeze()
+    # Python collects all again when a quarter as many objects are new as the last collection has
+    # left: those that are frozen must not count, or 200,000 objects of garbage are kept.
+    gc.collect()
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import fcl
 import numpy as np
-from executive_plugins.motion.convex_body import ConvexBody
+from executive_plugins.motion.convex_body import PLACING, ConvexBody
 from executive_plugins.motion.separation import unseparated
 from executive_plugins.physics.even_directions import even_directions
 
@@ -45,7 +45,6 @@ class SelfCollision:
             if frozenset((a, b)) in pairs
         ]
         self._pairs = np.array(indices, dtype=np.int64).reshape(-1, 2)
-        self._objects = [fcl.CollisionObject(body.geometry) for body in self.bodies]
         self._links = tuple(dict.fromkeys(body.link for body in self.bodies))
         self._owners = np.array([self._links.index(body.link) for body in self.bodies])
         self._corners = np.vstack([body.corners for body in self.bodies])
@@ -58,14 +57,9 @@ class SelfCollision:
             frames: T_base_link of every link for each posture, shape (K, 4, 4) each.
         """
         for k, pair in self._near_pairs(frames).tolist():
-            i, j = self._pairs[pair]
-            for index in (i, j):
-                T = frames[self.bodies[index].link][k]
-                self._objects[index].setTransform(fcl.Transform(T[:3, :3], T[:3, 3]))
-            if fcl.distance(
-                self._objects[i], self._objects[j], fcl.DistanceRequest(), fcl.DistanceResult()
-            ) < (self._clearance_m):
-                return k, self.bodies[i].name, self.bodies[j].name
+            a, b = (self.bodies[i] for i in self._pairs[pair])
+            if _gap_m(a, frames[a.link][k], b, frames[b.link][k]) < self._clearance_m:
+                return k, a.name, b.name
         return None
 
     def _near_pairs(self, frames: Mapping[str, Float]) -> Int:
@@ -74,6 +68,15 @@ class SelfCollision:
         return unseparated(
             of_links, self._owners, self._corners, self._starts, self._pairs, self._clearance_m
         )
+
+
+def _gap_m(a: ConvexBody, T_a: Float, b: ConvexBody, T_b: Float) -> float:
+    """Return the distance of two bodies at poses [m]; 0 or less where they overlap."""
+    with PLACING:
+        for body, T in ((a, T_a), (b, T_b)):
+            body.placed.setTransform(fcl.Transform(T[:3, :3], T[:3, 3]))
+        result = fcl.DistanceResult()
+        return float(fcl.distance(a.placed, b.placed, fcl.DistanceRequest(), result))
 
 
 def machine_bodies(machine: Machine) -> list[ConvexBody]:

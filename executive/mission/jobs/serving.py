@@ -16,6 +16,7 @@ from executive.errors import RobotError
 from executive.interfaces.plugin import Plugin
 from executive.mission.assembly import Assembly, Selections, assemble, selected_plugins
 from executive.mission.fault import REMOTE, fault_of
+from executive.mission.garbage import spare_what_is_made
 from executive.mission.jobs.call import Address, CallError, NotPortableError, VerbCall
 
 _SIGNAL_AT_DEATH_OF_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
@@ -45,6 +46,7 @@ def serve(
             return
         plugin = assembly.plugins[capability]
         MemoryLimit(memory_bytes)
+        spare_what_is_made()
         try:
             while True:
                 call: VerbCall = pickle.loads(connection.recv_bytes())

@@ -38,7 +38,8 @@ class FclCheck:
             (core.min(axis=0), core.max(axis=0), fcl.CollisionObject(fcl_convex(*hull_mesh(core))))
             for core in cores
         ]
-        self._ball = fcl.Sphere(_POINT * allowed_m)
+        # One for all points: each object made leaks 32 bytes.
+        self._ball = fcl.CollisionObject(fcl.Sphere(_POINT * allowed_m))
 
     def is_free(self, points: Float, T_points_gripper: Float) -> bool:
         """Return whether none of the points (N, 3) is deeper in palm or open jaws than allowed."""
@@ -46,8 +47,8 @@ class FclCheck:
         for low, high, body in self._bodies:
             near = local[((local >= low) & (local <= high)).all(axis=1)]
             for point in near:
-                ball = fcl.CollisionObject(self._ball, fcl.Transform(point))
-                if fcl.collide(body, ball, _REQUEST, fcl.CollisionResult()):
+                self._ball.setTranslation(point)
+                if fcl.collide(body, self._ball, _REQUEST, fcl.CollisionResult()):
                     return False
         return True
 

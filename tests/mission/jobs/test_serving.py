@@ -154,6 +154,7 @@ def limits(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     done: list[Any] = []
     monkeypatch.setattr(serving, "_live_and_die_with_the_mission", lambda: done.append("signals"))
     monkeypatch.setattr(serving, "MemoryLimit", done.append)
+    monkeypatch.setattr(serving, "spare_what_is_made", lambda: done.append("collector"))
     monkeypatch.setattr(serving.faulthandler, "enable", lambda file: done.append(file.name))
     monkeypatch.setattr(
         serving.faulthandler,
@@ -172,7 +173,7 @@ def test_calls_are_answered_until_the_connection_is_closed(
     assert connection.sent == [None, (False, 2.0), (False, 4.0)]
     assert assembly.is_closed
     usr1 = (signal.SIGUSR1, str(stack), False)
-    assert limits == ["signals", str(stack), usr1, 10**9]
+    assert limits == ["signals", str(stack), usr1, 10**9, "collector"]
 
 
 def test_a_plugin_that_does_not_start_is_asked_nothing(
@@ -182,7 +183,7 @@ def test_a_plugin_that_does_not_start_is_asked_nothing(
     connection = Connection(VerbCall("twice", [1.0], {}))
     serving.serve(connection, "motion", {}, "m545", 1, 10**9, tmp_path / "stack.txt")
     assert len(connection.sent) == 1
-    assert 10**9 not in limits
+    assert not {10**9, "collector"} & set(limits)
 
 
 @pytest.mark.parametrize(("parent", "exits"), [(4711, []), (1, [1])])
