@@ -37,6 +37,11 @@ class JointTrajectory:
         """Time from the first to the last sample [s]."""
         return float(self.times_s[-1])
 
+    def slowed(self, factor: float) -> "JointTrajectory":
+        """Return the same path, slower by a factor."""
+        times_s, velocity = self.times_s * factor, self.velocity / factor
+        return JointTrajectory(self.names, times_s, self.position, velocity)
+
     def at(self, time_s: float) -> tuple[Float, Float]:
         """Return position and velocity at a time since the start, each of shape (n,).
 

@@ -19,11 +19,4 @@ def within_flow(trajectory: JointTrajectory, machine: Machine) -> JointTrajector
     taken = np.array([machine.hydraulics.displacement[name] for name in trajectory.names])
     largest_m3_s = float((np.abs(trajectory.velocity) @ taken).max())
     factor = largest_m3_s / (_SHARE * machine.hydraulics.pump_flow_m3_s)
-    if factor <= 1.0:
-        return trajectory
-    return JointTrajectory(
-        trajectory.names,
-        trajectory.times_s * factor,
-        trajectory.position,
-        trajectory.velocity / factor,
-    )
+    return trajectory.slowed(factor) if factor > 1.0 else trajectory

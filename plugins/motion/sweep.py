@@ -61,12 +61,6 @@ def chain(parts: list[JointTrajectory]) -> JointTrajectory:
     )
 
 
-def slowed(trajectory: JointTrajectory, factor: float) -> JointTrajectory:
-    """Return the same path, slower by a factor."""
-    t = trajectory
-    return JointTrajectory(t.names, t.times_s * factor, t.position, t.velocity / factor)
-
-
 def _sweeping(
     machine: Machine, limits: Limits, fold: list[Float], angle_rad: float, duration_s: float
 ) -> JointTrajectory:
@@ -82,7 +76,7 @@ def _sweeping(
         whole = _through(machine, limits, nodes)
         reached = whole.position[:, joint]
         ends = ends + wanted - [reached.max(), reached.min()]
-    return slowed(whole, max(1.0, duration_s / whole.duration_s))
+    return whole.slowed(max(1.0, duration_s / whole.duration_s))
 
 
 def _through(machine: Machine, limits: Limits, nodes: list[Float]) -> JointTrajectory:

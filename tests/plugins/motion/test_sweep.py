@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.motion.sweep import chain, slowed
+from executive_plugins.motion.sweep import chain
 
 from executive.messages.trajectory import JointTrajectory
 
@@ -27,7 +27,7 @@ def test_a_chain_runs_one_after_the_other() -> None:
 
 
 def test_a_slowed_trajectory_takes_the_same_path_in_more_time() -> None:
-    slow = slowed(piece(0.0, 1.0), 3.0)
+    slow = piece(0.0, 1.0).slowed(3.0)
     assert slow.duration_s == 6.0
     position, velocity = slow.at(1.5)
     assert position == pytest.approx(piece(0.0, 1.0).at(0.5)[0])

@@ -12,7 +12,7 @@ from executive_plugins.motion.obstacles import Obstacles
 from executive_plugins.motion.path import path_through
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.settings import InverseKinematicsSettings
-from executive_plugins.motion.sweep import chain, slowed, sweep
+from executive_plugins.motion.sweep import chain, sweep
 from executive_plugins.motion.timing import Limits, time_path
 from executive_plugins.motion.waypoints import Waypoints, join, reach_below_m
 
@@ -116,7 +116,7 @@ def test_sweeps(recorded, machine) -> None:
     scan, carry = machine.posture("scan"), machine.posture("carry")
     cases = ([scan], 1.0, 20.0), ([carry, scan], 0.5, 0.1), ([scan + 5e-4, scan], 1.0, 5.0)
     told = [sweep(machine, limits, *case) for case in cases]
-    told += [slowed(told[0], 2.0), chain(told[:2])]
+    told += [told[0].slowed(2.0), chain(told[:2])]
     recorded(told, relative=ITERATED)
 
 
