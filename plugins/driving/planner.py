@@ -14,7 +14,7 @@ from executive_plugins.driving.tracker import Tracker
 
 from executive.arrays import Float, checked
 from executive.errors import DataError
-from executive.geometry.rotation import yaw_of
+from executive.geometry.rotation import wrap_angle, yaw_of
 from executive.interfaces.driving import DrivePlanner
 from executive.machine.driving import Driving
 from executive.machine.machine import Machine
@@ -23,7 +23,7 @@ from executive.messages.drive import BasePath, DrivePlan, DriveRequest, DriveTro
 _STEP_M = 0.1  # between the samples of a path
 _ASIDE_M = 2.0  # between two detours
 _ROOMS_M = (3.0, 6.0)  # driven in the other direction at first
-_STILL_M = 1e-6  # a shorter path moves nothing
+_STILL = 1e-6  # between places that are the same [m] and [rad]
 
 
 class Dubins(DrivePlanner):
@@ -44,6 +44,10 @@ class Dubins(DrivePlanner):
         check = self._check(request, start, limits)
         first: DrivePlan | None = None
         for goal in request.goals_map:
+            if _is_there(start, goal):
+                told = "the machine stands there already"
+                first = first or _refused(DriveTrouble.REFUSED, told)
+                continue
             if (trouble := check.trouble(goal[None])) is not None:
                 first = first or _refused(*trouble)
                 continue
@@ -52,7 +56,7 @@ class Dubins(DrivePlanner):
                 if trouble is None:
                     return DrivePlan(path)
                 first = first or _refused(*trouble)
-        return first or _refused(DriveTrouble.REFUSED, "the machine stands there already")
+        return first or _refused(DriveTrouble.REFUSED, "no curve leads there")
 
     def steer(self, path: BasePath, along_m: float, T_map_base: Float) -> Steering:
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
@@ -98,8 +102,7 @@ class Dubins(DrivePlanner):
                     parts = curves(begin, middle, radius_m), curves(middle, there, radius_m)
                     ways.append(tuple(next(part) for part in parts))
                 found += [(*back, *(Piece(one, direction) for one in way)) for way in ways]
-        moving = [one for one in found if _length_m(one) > _STILL_M]
-        return (joined(pieces, _STEP_M) for pieces in sorted(moving, key=_length_m))
+        return (joined(pieces, _STEP_M) for pieces in sorted(found, key=_length_m))
 
     def _asides(self, start: Float, goal: Float) -> Iterator[Float]:
         """Yield places (3,) beside the middle of the straight way, for a detour."""
@@ -109,6 +112,12 @@ class Dubins(DrivePlanner):
         for aside_m in np.arange(_ASIDE_M, self._settings.detour + 1e-9, _ASIDE_M):
             for place_m in (aside_m, -aside_m):
                 yield np.append(start[:2] + way / 2 + place_m * left, heading)
+
+
+def _is_there(start: Float, goal: Float) -> bool:
+    """Return whether two places (3,) are the same: no way leads from one to the other and back."""
+    turn = wrap_angle(float(goal[2] - start[2]))
+    return float(np.linalg.norm(goal[:2] - start[:2])) < _STILL and abs(turn) < _STILL
 
 
 def _faced(place: Float, direction: int) -> Float:

@@ -51,6 +51,17 @@ def test_a_goal_behind_is_reached_backwards() -> None:
     assert (path.direction == -1).all()
 
 
+def test_a_goal_where_the_machine_stands_is_refused_and_the_next_one_taken() -> None:
+    here = np.array([0.0, 0.0, 2 * np.pi])
+    plan = planned(here)
+    assert plan.path is None
+    assert plan.trouble is DriveTrouble.REFUSED
+    assert plan.reason == "the machine stands there already"
+    path = planned(here, AHEAD).path
+    assert path is not None
+    np.testing.assert_allclose(path.goal_map, AHEAD, atol=1e-9)
+
+
 def test_the_first_goal_with_a_free_way_is_taken() -> None:
     blocked = np.vstack([LEVEL, wall(6.0)])
     path = planned(AHEAD, ASIDE, BEHIND, points=blocked).path
