@@ -22,6 +22,7 @@ VOXELS = 4  # along the edge of a place
 _MEMORY = 100  # returns over which a mean is taken
 _FIRST_COUNT = 1 << 14
 _FORGOTTEN = -1  # in place of the misses in a row of a place
+_FEW = 1024  # rows of forgotten places that are left alone
 Ids = NDArray[np.int32]
 
 
@@ -60,7 +61,7 @@ class Carver:
         self._means = np.zeros((_FIRST_COUNT, 3))
         # rows: returns, pair of the last return, pair of the last miss, misses in a row
         self._counts = np.zeros((_FIRST_COUNT, 4), dtype=np.int64)
-        self._used = 0
+        self._used = self._forgotten = 0
         self._hit(points_map)
         self._counts[: self._used, 1] = -1
 
@@ -89,11 +90,23 @@ class Carver:
         gone = np.flatnonzero(self._counts[: self._used, 3] >= self._after)
         self._ids[tuple((self._cells[gone] - self._low).T)] = -1
         self._counts[gone, 3] = _FORGOTTEN
-        return np.asarray(self._cells[gone] * VOXELS)
+        self._forgotten += len(gone)
+        corners = np.asarray(self._cells[gone] * VOXELS)
+        if self._forgotten > max(_FEW, self._used // 2):
+            self._close_gaps()
+        return corners
 
     def add(self, points_map: Float) -> None:
         """Take in points that were not seen now but are known to be there [m], shape (N, 3)."""
         self._hit(points_map)
+
+    def _close_gaps(self) -> None:
+        """Take the forgotten places out of the table: one that is seen again gets another row."""
+        left = np.flatnonzero(self._counts[: self._used, 3] != _FORGOTTEN)
+        for table in (self._cells, self._means, self._counts):
+            table[: len(left)] = table[left]
+        self._used, self._forgotten = len(left), 0
+        self._ids[tuple((self._cells[: len(left)] - self._low).T)] = np.arange(len(left))
 
     def _hit(self, points: Float) -> None:
         if self._used + len(points) > len(self._cells):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.mapping import carving
 from executive_plugins.mapping.carving import VOXELS, Carver
 from executive_plugins.mapping.range_image import nearest_returns, passed_on_both_sides
 from executive_plugins.mapping.voxel_grid import VoxelGrid
@@ -151,3 +152,32 @@ def test_a_place_is_seen_through_if_rays_pass_on_both_sides_of_it(
     nearest = nearest_returns(np.zeros(3), rays(ups_rad, ranges_m))
     place = np.array([5.0, 0.0, 0.0])
     assert passed_on_both_sides(nearest, place, 0.25, 0.3) == is_passed
+
+
+FEW = 20  # gaps that are left alone, here
+
+
+def flickering(few: int, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Float], int]:
+    """Show and hide stones again and again, where each is forgotten after two pairs; return what
+    was forgotten, and how many rows the table has at the end.
+    """
+    monkeypatch.setattr(carving, "_FEW", few)
+    carver, rng = Carver(VOXEL_M, 10.0, 0.3, 2, 0.25), np.random.default_rng(3)
+    forgotten = []
+    for k in range(200):
+        box = GONE + np.array([0.0, 0.6 * (k % 5) - 1.2, 0.0])
+        forgotten.append(carver.see([scan([box], 0.0, rng)]))
+        forgotten += [carver.see([scan([], 0.0, rng)]) for _ in range(2)]
+    return forgotten, carver._used
+
+
+def test_what_comes_and_goes_takes_no_memory_in_the_long_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    grown, rows = flickering(10**9, monkeypatch)
+    closed, closed_rows = flickering(FEW, monkeypatch)
+    known = rows - sum(map(len, grown))
+    assert rows > 4 * known  # so a table whose gaps stay grows
+    assert closed_rows <= 2 * known + FEW
+    for one, other in zip(grown, closed, strict=True):
+        np.testing.assert_array_equal(one, other)
