@@ -115,7 +115,7 @@ class Dubins(DrivePlanner):
 
 
 def _is_there(start: Float, goal: Float) -> bool:
-    """Return whether two places (3,) are the same: no way leads from one to the other and back."""
+    """Return whether two places (3,) are the same, whole turns aside."""
     turn = wrap_angle(float(goal[2] - start[2]))
     return float(np.linalg.norm(goal[:2] - start[:2])) < _STILL and abs(turn) < _STILL
 
