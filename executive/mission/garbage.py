@@ -6,8 +6,8 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-# Between two returns of free pages [s]. What a minute of the loop leaves free is some 0.1 MB, and
-# a return takes less than a millisecond, in a thread of its own.
+# Between two returns of free memory [s]. What a minute of the loop leaves free is some 0.1 MB, and
+# a return takes a few milliseconds.
 RETURN_PERIOD_S = 60.0
 
 
@@ -42,28 +42,35 @@ def spare_what_is_made() -> None:
 
 @contextmanager
 def _pages_returned() -> Iterator[None]:
-    """Give free pages inside the heap back to the system, again and again, in a thread.
-
-    The C library gives back only what is free at the end of its heap. Arrays and matrices of many
-    sizes leave holes in between, and the heap grows with the hours while no more of it is used.
-    """
-    trim = trimmer()
-    if trim is None:
-        yield
-        return
+    """Return free memory again and again, in a thread."""
     ended = threading.Event()
 
     def work() -> None:
         while not ended.wait(RETURN_PERIOD_S):
-            trim(0)
+            return_free_memory()
 
-    thread = threading.Thread(target=work, name="return of free pages", daemon=True)
+    thread = threading.Thread(target=work, name="return of free memory", daemon=True)
     thread.start()
     try:
         yield
     finally:
         ended.set()
         thread.join()
+
+
+def return_free_memory() -> None:
+    """Collect the garbage, and give free pages inside the heap back to the system.
+
+    Python keeps up to 2,000 freed tuples of each size for later ones of that size, and a tuple that
+    is made of an iterator never takes one of them: memory would grow for hours. A full collection
+    empties these lists; of its own accord it comes twice an hour, since a loop makes little garbage
+    in cycles. The C library gives back only what is free at the end of its heap: arrays and
+    matrices of many sizes leave holes in between, and the heap would grow while no more is used.
+    """
+    gc.collect()
+    trim = trimmer()
+    if trim is not None:
+        trim(0)
 
 
 def trimmer() -> Callable[[int], int] | None:

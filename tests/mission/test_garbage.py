@@ -1,6 +1,7 @@
 """On the wall clock, the collector looks at what the loop made, and free pages are given back."""
 
 import gc
+import sys
 import threading
 
 import pytest
@@ -48,6 +49,20 @@ def test_garbage_of_the_loop_is_found_although_the_frozen_objects_are_many(monke
             gc.callbacks.remove(note)
     assert len(many) == 400_000
     assert collected
+
+
+def test_tuples_that_python_keeps_for_later_ones_are_given_back():
+    def made(count):
+        for _ in range(count):
+            tuple(i for i in range(7))  # made large and cut: takes none of the kept ones of seven
+
+    gc.collect()
+    before = sys.getallocatedblocks()
+    made(1_500)
+    grown = sys.getallocatedblocks() - before
+    garbage.return_free_memory()
+    assert grown > 1_000
+    assert sys.getallocatedblocks() - before < 500
 
 
 def test_free_pages_are_given_back_until_the_run_ends(monkeypatch):

@@ -11,12 +11,13 @@ from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from typing import Any
 
+from executive.clock import wall_s
 from executive.confined.memory import MemoryLimit
 from executive.errors import RobotError
 from executive.interfaces.plugin import Plugin
 from executive.mission.assembly import Assembly, Selections, assemble, selected_plugins
 from executive.mission.fault import REMOTE, fault_of
-from executive.mission.garbage import spare_what_is_made
+from executive.mission.garbage import RETURN_PERIOD_S, return_free_memory, spare_what_is_made
 from executive.mission.jobs.call import Address, CallError, NotPortableError, VerbCall
 
 _SIGNAL_AT_DEATH_OF_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
@@ -47,10 +48,14 @@ def serve(
         plugin = assembly.plugins[capability]
         MemoryLimit(memory_bytes)
         spare_what_is_made()
+        returned_s = wall_s()
         try:
             while True:
                 call: VerbCall = pickle.loads(connection.recv_bytes())
                 connection.send_bytes(_answer(call, plugin, capability, assembly))
+                if wall_s() - returned_s > RETURN_PERIOD_S:
+                    return_free_memory()
+                    returned_s = wall_s()
         except (EOFError, OSError):
             assembly.close()
 
