@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
+from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.gate.calm_scale import CalmScale
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
@@ -74,6 +75,8 @@ class GnssImuFilter(CabinEstimator):
         self._alarms: dict[str, InnovationAlarm] = {}
         self._calm: dict[str, CalmScale] = {}
         self._periods: dict[str, StreamPeriod] = {}
+        # Time without a used fix after which fixes are missing [s].
+        self._missing_after_s = self._settings.fallback_after_s
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
         self._moving_s = -np.inf
@@ -112,6 +115,8 @@ class GnssImuFilter(CabinEstimator):
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         antenna, stamp_s = fix.antenna, fix.stamp_s
         self._periods.setdefault(antenna, StreamPeriod()).add(stamp_s)
+        usual_s = min(period.missing_after_s for period in self._periods.values())
+        self._missing_after_s = max(self._settings.fallback_after_s, usual_s)
         position = Fix(stamp_s, antenna, self._antennas_imu[antenna], p_map_antenna, noise)
         if self._doubt is not None:
             self._doubt.add_fix(position)
@@ -176,7 +181,7 @@ class GnssImuFilter(CabinEstimator):
         usual_s = self._periods[antenna].period_s
         period_s = usual_s / len(self._periods)
         alarm.add(residual, S, self._settings.gate, period_s)
-        distance2 = float(residual @ np.linalg.solve(S, residual))
+        distance2 = squared_distance(S, residual)
         is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
         if is_near:
             bias.add(residual, S, period_s)
@@ -208,7 +213,7 @@ class GnssImuFilter(CabinEstimator):
         self, kalman: ErrorStateFilter, residual: Float, predicted: Float, noise: Float
     ) -> None:
         """Widen the state's covariance to hold the fixes too if the prediction runs away."""
-        distance2 = float(residual @ np.linalg.solve(predicted + noise, residual))
+        distance2 = squared_distance(predicted + noise, residual)
         is_refused = distance2 > self._settings.gate
         if is_refused and self._refusals.is_running_away(residual, noise):
             kalman.fade(distance2 / len(residual))
@@ -260,13 +265,8 @@ class GnssImuFilter(CabinEstimator):
             kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
 
     def _status(self) -> str:
-        if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s():
+        if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s:
             return FALLBACK
         trusted_s = self._clock.doubted_s + self._settings.reacquire_after_s
         is_doubted = self._propagator.stamp_s < trusted_s
         return SUSPECT if is_doubted or self._doubt is not None else GLOBAL
-
-    def _missing_after_s(self) -> float:
-        """Return the time without a used fix after which fixes are missing [s]."""
-        usual_s = min((one.missing_after_s for one in self._periods.values()), default=0.0)
-        return max(self._settings.fallback_after_s, usual_s)

@@ -11,14 +11,13 @@ class FrozenSamples:
     """
 
     def __init__(self) -> None:
-        self._values = (b"", b"")  # compared as bytes, which is fast: this runs for each sample
+        self._values: list[float] = []
         self._since_s = 0.0
         self._changes = 0
 
     def lasts_s(self, sample: ImuSample) -> float:
         """Take a sample; return for how long its values have not changed [s]."""
-        rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
-        values = (rate + 0.0).tobytes(), (force + 0.0).tobytes()  # -0.0 + 0.0 is 0.0
+        values = sample.angular_velocity_rad_s.tolist() + sample.specific_force_m_s2.tolist()
         if values == self._values:
             return sample.stamp_s - self._since_s if self._changes > 1 else 0.0
         self._values, self._since_s = values, sample.stamp_s

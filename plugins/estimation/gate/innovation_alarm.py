@@ -4,14 +4,17 @@ Source: the window-limited test of the mean of innovations, Willsky and Jones 19
 likelihood ratio of a jump), with the time of the jump among the newest few.
 """
 
-from collections import deque
+import math
 from functools import lru_cache
 
 import numpy as np
+from executive_plugins.estimation.cholesky import whitened
+from numba import njit, types
 from scipy.stats import chi2
 
 from executive.arrays import Float
 
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 WINDOW = 6  # innovations; means of the newest 1 to 6 are tested
 _CALM = 3  # innovations that end an alarm
 FALSE_ALARM_S = 3600.0  # mean time between two alarms of a sensor that errs as it declares
@@ -38,7 +41,8 @@ class InnovationAlarm:
         """
         self.is_raised = False
         self._degrees, self._since = degrees, 0
-        self._white: deque[Float] = deque(maxlen=WINDOW)
+        self._white = np.zeros((WINDOW, degrees))  # in standard deviations, newest first
+        self._count = 0
         self._usual = float(chi2.ppf(_USUAL, degrees))
 
     def add(self, innovation: Float, covariance: Float, gate: float, period_s: float) -> None:
@@ -51,23 +55,60 @@ class InnovationAlarm:
                 so that it is no evidence of more than itself.
             period_s: Usual time between two innovations [s].
         """
-        white = np.linalg.solve(np.linalg.cholesky(covariance), innovation)
-        if not np.isfinite(white).all():
+        found = whitened(covariance, innovation)
+        if found is None:
             return
-        self._white.append(white * min(1.0, np.sqrt(gate) / max(np.linalg.norm(white), 1e-9)))
-        newest = np.array(self._white)[::-1]
-        counts = np.arange(1, len(newest) + 1)
-        squares = np.square(np.cumsum(newest, axis=0)).sum(axis=1) / counts
+        white, _, distance2 = found
+        self._count = min(self._count + 1, WINDOW)
+        cut = min(1.0, math.sqrt(gate) / max(math.sqrt(distance2), 1e-9))
+        largest, newest = _means(self._white, self._count, white, cut)
         self._since += 1
-        if squares.max() > _limit(self._degrees, binary(period_s)):
+        if largest > _limit(self._degrees, binary(period_s)):
             self.is_raised, self._since = True, 0
-        elif self._since >= _CALM and squares[_CALM - 1] < self._usual:
+        elif self._since >= _CALM and newest < self._usual:
             self.is_raised = False
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.UniTuple(types.float64, 2)(types.float64[:, ::1], types.int64, _VECTOR, types.float64),
+    cache=True,
+)
+def _means(rows: Float, count: int, white: Float, cut: float) -> tuple[float, float]:
+    """Put an innovation first; return how large the means of the newest ones are.
+
+    Args:
+        rows: The innovations in standard deviations, newest first, shape (n, m).
+        count: Number of rows that are in use with the new one.
+        white: The new one, shape (m,).
+        cut: Factor on it.
+
+    Returns:
+        The largest squared mean over the newest 1, 2, … in its own variance, and that over the
+        newest `_CALM` (0 if there are fewer).
+    """
+    m = len(white)
+    for i in range(count - 1, 0, -1):
+        for j in range(m):
+            rows[i, j] = rows[i - 1, j]
+    for j in range(m):
+        rows[0, j] = cut * white[j]
+    largest, newest = 0.0, 0.0
+    total = np.zeros(m)
+    for i in range(count):
+        square = 0.0
+        for j in range(m):
+            total[j] += rows[i, j]
+            square += total[j] * total[j]
+        square /= i + 1
+        largest = max(largest, square)
+        if i + 1 == _CALM:
+            newest = square
+    return largest, newest
 
 
 def binary(period_s: float) -> float:
     """Return the next smaller power of two: few limits are computed, and none is too low."""
-    return float(2.0 ** np.floor(np.log2(np.clip(period_s, 1e-3, 60.0))))
+    return float(2.0 ** math.floor(math.log2(min(max(period_s, 1e-3), 60.0))))
 
 
 @lru_cache(maxsize=64)

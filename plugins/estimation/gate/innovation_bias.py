@@ -1,15 +1,18 @@
 """Whether the newest innovations of a sensor lean to one side, and by how much."""
 
-from collections import deque
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from executive_plugins.estimation.cholesky import whitened
 from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
+from numba import njit, types
 from scipy.stats import chi2
 
 from executive.arrays import Float
 
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 # Numbers of innovations over which a lean is looked for. The mean of n of them is known √n times
 # better than one, so that the longer ones show what a filter follows slowly.
 _COUNTS = (6, 12, 24, 48)
@@ -50,8 +53,8 @@ class InnovationBias:
             degrees: Length of an innovation.
         """
         self._degrees = degrees
-        self._white: deque[Float] = deque(maxlen=_COUNTS[-1])
-        self._newest = np.eye(degrees)  # square root of the newest one's covariance
+        self._white = np.zeros((_COUNTS[-1], degrees))  # in standard deviations, newest first
+        self._count = 0
         self.lean: Lean | None = None
 
     def add(self, innovation: Float, covariance: Float, period_s: float) -> None:
@@ -63,53 +66,82 @@ class InnovationBias:
             period_s: Usual time between two innovations [s]: the shorter, the rarer a false alarm
                 has to be among them.
         """
-        root = np.linalg.cholesky(covariance)
-        white = np.linalg.solve(root, innovation)
-        if np.isfinite(white).all():
-            self._white.append(white)
-            self._newest = np.asarray(root)
-            self.lean = self._found(binary(period_s))
+        found = whitened(covariance, innovation)
+        if found is None:
+            return
+        white, root, _ = found
+        self._count = min(self._count + 1, len(self._white))
+        end = np.empty(self._degrees)
+        limit = _limit(self._degrees, binary(period_s))
+        lasts = _leaning(self._white, self._count, white, limit, end)
+        self.lean = None if lasts == 0 else Lean(root @ end, _share(lasts), int(lasts))
 
     def clear(self) -> None:
         """Forget all innovations: what they have shown is part of the prediction now."""
-        self._white.clear()
-        self.lean = None
+        self._count, self.lean = 0, None
 
     @property
     def is_biased(self) -> bool:
         """Whether the prediction is wrong; False until there are enough innovations."""
         return self.lean is not None
 
-    def _found(self, period_s: float) -> Lean | None:
-        """Return the lean of the fewest innovations that show one."""
-        for count in _COUNTS:
-            if len(self._white) < count:
-                return None
-            white = np.array(self._white)[-count:]
-            line = _line(count)
-            parts = line.T @ white
-            far, all2 = float(np.square(parts).sum()), float(np.square(white).sum())
-            if far > _limit(self._degrees, period_s) and self._refutes_noise(far, all2, count):
-                end = self._newest @ (line[-1] @ parts)
-                return Lean(np.asarray(end), float(line[-1] @ line[-1]), count)
-        return None
 
-    def _refutes_noise(self, far: float, all2: float, count: int) -> bool:
-        """Return whether a line is far more likely than noise, by their squared sizes."""
-        values = self._degrees * count
-        scale = max(all2 / values, 1.0)
-        noise = -0.5 * (values * np.log(scale) + all2 / scale)
-        line = -0.5 * (all2 - far + _ORDER * self._degrees * np.log(count))
-        return bool(line - noise > _REFUTED)
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _refutes_noise(far: float, all2: float, values: int, count: int) -> bool:
+    """Return whether a line is far more likely than noise, by their squared sizes."""
+    scale = max(all2 / values, 1.0)
+    noise = -0.5 * (values * math.log(scale) + all2 / scale)
+    line = -0.5 * (all2 - far + _ORDER * (values // count) * math.log(count))
+    return bool(line - noise > _REFUTED)
 
 
-@lru_cache(maxsize=len(_COUNTS))
-def _line(count: int) -> Float:
-    """Return an orthonormal basis of lines over evenly spaced innovations, shape (n, 2)."""
-    times = np.arange(count) - 0.5 * (count - 1)
-    return np.column_stack(
-        [np.full(count, count**-0.5), times / np.linalg.norm(times)],
-    )
+@njit(  # type: ignore[untyped-decorator]
+    types.int64(types.float64[:, ::1], types.int64, _VECTOR, types.float64, types.float64[::1]),
+    cache=True,
+)
+def _leaning(rows: Float, count: int, white: Float, limit: float, end: Float) -> int:
+    """Put an innovation first, and look for a lean in the fewest innovations that show one.
+
+    Args:
+        rows: The innovations in standard deviations, newest first, shape (n, m).
+        count: Number of rows that are in use with the new one.
+        white: The new one, shape (m,).
+        limit: Least squared size of a line.
+        end: Result, the line's value at the newest innovation, shape (m,).
+
+    Returns:
+        The number of innovations that show a lean; 0 if there is none.
+    """
+    m = len(white)
+    for i in range(count - 1, 0, -1):
+        for j in range(m):
+            rows[i, j] = rows[i - 1, j]
+    for j in range(m):
+        rows[0, j] = white[j]
+    mean, slope = np.zeros(m), np.zeros(m)
+    for lasts in _COUNTS:
+        if count < lasts:
+            return 0
+        middle = 0.5 * (lasts - 1)
+        times2 = lasts * (lasts * lasts - 1) / 12.0
+        far, all2 = 0.0, 0.0
+        for j in range(m):
+            mean[j], slope[j] = 0.0, 0.0
+            for i in range(lasts):
+                mean[j] += rows[i, j]
+                slope[j] += (middle - i) * rows[i, j]
+                all2 += rows[i, j] * rows[i, j]
+            far += mean[j] * mean[j] / lasts + slope[j] * slope[j] / times2
+        if far > limit and _refutes_noise(far, all2, m * lasts, lasts):
+            for j in range(m):
+                end[j] = mean[j] / lasts + middle * slope[j] / times2
+            return lasts
+    return 0
+
+
+def _share(count: int) -> float:
+    """Return the variance of a line's end, of that of one innovation."""
+    return 1 / count + 3 * (count - 1) / (count * (count + 1))
 
 
 @lru_cache(maxsize=64)

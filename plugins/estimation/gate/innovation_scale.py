@@ -4,10 +4,14 @@ from collections import deque
 from statistics import median
 
 import numpy as np
+from executive_plugins.estimation.cholesky import whiten
+from numba import njit, types
 from scipy.stats import chi2
 
 from executive.arrays import Float
 
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
+_MATRIX = types.Array(types.float64, 2, "A", readonly=True)
 _COUNT = 21  # innovations; their median is off by 30 % (one standard deviation)
 _ENOUGH = 5
 _STEPS, _EXACT = 20, 0.01  # of Newton's method, and the share of the median that may be left
@@ -47,38 +51,60 @@ class InnovationScale:
             predicted: Covariance of the prediction, shape (m, m).
             declared: Covariance that the sensor declares, shape (m, m).
         """
-        S = predicted + declared
-        try:
-            L = np.asarray(np.linalg.cholesky(S), dtype=np.float64)
-        except np.linalg.LinAlgError:  # a covariance that is none says nothing
-            return
-        white = np.asarray(np.linalg.solve(L, innovation), dtype=np.float64)
-        if np.isfinite(white).all():
-            self._factors.append(self._explaining(white, L, declared))
+        factor = _explaining(innovation, predicted, declared, self._median)
+        if np.isfinite(factor):
+            self._factors.append(factor)
 
-    def _explaining(self, white: Float, L: Float, declared: Float) -> float:
-        """Return the factor, from 1 to 25, with which an innovation is of median size.
 
-        The distance falls with the factor, and is convex: Newton's steps from 1 do not overshoot.
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _slope(L: Float, white: Float, declared: Float) -> float:
+    """Return by how much the squared distance falls with the factor.
 
-        Args:
-            white: The innovation in standard deviations by the factor 1, shape (m,).
-            L: Cholesky factor of its covariance by that, shape (m, m).
-            declared: Covariance that the sensor declares, shape (m, m).
-        """
-        if float(white @ white) <= self._median:
-            return 1.0
-        W = np.linalg.solve(L, np.linalg.solve(L, declared).T)
-        shares, axes = np.linalg.eigh(0.5 * (W + W.T))
-        shares, squares = np.maximum(shares, 0.0), (axes.T @ white) ** 2
-        factor = 1.0
-        for _ in range(_STEPS):
-            variances = 1.0 + (factor - 1.0) * shares
-            excess = float((squares / variances).sum()) - self._median
-            if excess <= _EXACT * self._median:
-                break
-            slope = float((squares * shares / variances**2).sum())
-            if excess >= slope * (LARGEST_SCALE - factor):
-                return LARGEST_SCALE
-            factor += excess / slope
-        return factor
+    Args:
+        L: Cholesky factor of the covariance, shape (m, m).
+        white: L⁻¹ innovation, shape (m,), replaced by the covariance's inverse times innovation.
+        declared: Covariance that the sensor declares, shape (m, m).
+    """
+    m, slope = len(white), 0.0
+    for i in range(m - 1, -1, -1):
+        for j in range(i + 1, m):
+            white[i] -= L[j, i] * white[j]
+        white[i] /= L[i, i]
+    for i in range(m):
+        for j in range(m):
+            slope += white[i] * declared[i, j] * white[j]
+    return slope
+
+
+@njit(types.float64(_VECTOR, _MATRIX, _MATRIX, types.float64), cache=True)  # type: ignore[untyped-decorator]
+def _explaining(innovation: Float, predicted: Float, declared: Float, middle: float) -> float:
+    """Return the factor, from 1 to 25, with which an innovation is of median size.
+
+    The distance falls with the factor, and is convex: Newton's steps from 1 do not overshoot.
+
+    Args:
+        innovation: Measured minus predicted, shape (m,).
+        predicted: Covariance of the prediction, shape (m, m).
+        declared: Covariance that the sensor declares, shape (m, m).
+        middle: Median of the squared distance.
+
+    Returns:
+        The factor; NaN if a covariance is none, or a value is not finite.
+    """
+    m = len(innovation)
+    S, L, white = np.empty((m, m)), np.empty((m, m)), np.empty(m)
+    factor = 1.0
+    for _ in range(_STEPS):
+        for i in range(m):
+            for j in range(m):
+                S[i, j] = predicted[i, j] + factor * declared[i, j]
+        excess = whiten(S, innovation, L, white) - middle
+        if not np.isfinite(excess):
+            return np.nan
+        if excess <= _EXACT * middle:
+            break
+        slope = _slope(L, white, declared)
+        if excess >= slope * (LARGEST_SCALE - factor):
+            return LARGEST_SCALE
+        factor += excess / slope
+    return factor

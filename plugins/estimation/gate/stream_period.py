@@ -1,8 +1,8 @@
 """The usual time between two measurements of a stream, as it is seen."""
 
+import math
 from collections import deque
-
-import numpy as np
+from statistics import median
 
 _COUNT = 5  # intervals; one long gap among them does not change their median
 _MISSED = 2.5  # periods without a measurement: two did not come, whatever their jitter
@@ -17,7 +17,7 @@ class StreamPeriod:
 
     def __init__(self) -> None:
         self.period_s = 0.0
-        self._newest_s = -np.inf
+        self._newest_s = -math.inf
         self._intervals: deque[float] = deque(maxlen=_COUNT)
 
     def add(self, stamp_s: float) -> None:
@@ -26,9 +26,9 @@ class StreamPeriod:
         if not since_s > 0:
             return
         self._newest_s = stamp_s
-        if np.isfinite(since_s):
+        if math.isfinite(since_s):
             self._intervals.append(since_s)
-            self.period_s = float(np.median(self._intervals))
+            self.period_s = median(self._intervals)
 
     @property
     def missing_after_s(self) -> float:

@@ -11,15 +11,13 @@ import math
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import (
-    ACCEL_BIAS,
     DIMENSION,
-    GYRO_BIAS,
     POSITION,
     ROTATION,
     VELOCITY,
     InertialState,
-    rotation_step,
 )
+from executive_plugins.estimation.inertial.strapdown import multiply, turn_into
 from numba import njit, types
 
 from executive.arrays import Float
@@ -43,19 +41,19 @@ def moved(state: InertialState, error: Float) -> tuple[InertialState, Float]:
         The state after it, and the derivative of what is left of the error by the error, shape
         (15, 15).
     """
-    R, theta = state.R_map_imu, error[ROTATION]
-    J = np.eye(DIMENSION)
-    for block in (VELOCITY, POSITION):
-        turn_along(R, theta, error[block], J[block, block], J[block, ROTATION], J[:3, :3])
-    answer = InertialState(
-        state.sample,
-        R @ rotation_step(theta),
-        state.p_map_imu + J[POSITION, POSITION] @ error[POSITION],
-        state.v_map_imu + J[VELOCITY, VELOCITY] @ error[VELOCITY],
-        state.gyro_bias + error[GYRO_BIAS],
-        state.accel_bias + error[ACCEL_BIAS],
+    J, R, vectors = np.empty((DIMENSION, DIMENSION)), np.empty((3, 3)), np.empty((4, 3))
+    _move(
+        state.R_map_imu,
+        state.p_map_imu,
+        state.v_map_imu,
+        state.gyro_bias,
+        state.accel_bias,
+        error,
+        J,
+        R,
+        vectors,
     )
-    return answer, J
+    return InertialState(state.sample, R, *vectors), J
 
 
 def moved_far(state: InertialState, error: Float) -> tuple[InertialState, Float]:
@@ -168,6 +166,48 @@ def turn_along(
             second = (both[i, j] + aside[i, j]) / 6 + turned[i] * theta[j] / 12
             curved[i, j] = -0.5 * beside[i, j] - second
     by_rotation[:, :] = _product(R, curved)
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.void(
+        *(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR),
+        *(_NEW_MATRIX, _NEW_MATRIX, _NEW_MATRIX),
+    ),
+    cache=True,
+)
+def _move(  # noqa: PLR0913 - compiled code takes the arrays of a state one by one
+    R: Float,
+    p: Float,
+    v: Float,
+    gyro_bias: Float,
+    accel_bias: Float,
+    error: Float,
+    J: Float,
+    R_after: Float,
+    after: Float,
+) -> None:
+    """Do what `moved` does, with results in arrays of the caller.
+
+    Args:
+        J: Derivative of what is left of the error, shape (15, 15).
+        R_after: Attitude after, shape (3, 3).
+        after: Position, velocity and both biases after, shape (4, 3).
+    """
+    theta = error[0:3]
+    J[:, :] = 0.0
+    for i in range(15):
+        J[i, i] = 1.0
+    turn_along(R, theta, error[3:6], J[3:6, 3:6], J[3:6, 0:3], J[0:3, 0:3])
+    turn_along(R, theta, error[6:9], J[6:9, 6:9], J[6:9, 0:3], J[0:3, 0:3])
+    turn = np.empty((3, 3))
+    turn_into(theta[0], theta[1], theta[2], turn)
+    multiply(R, turn, R_after)
+    for i in range(3):
+        after[0, i], after[1, i] = p[i], v[i]
+        for j in range(3):
+            after[0, i] += J[6 + i, 6 + j] * error[6 + j]
+            after[1, i] += J[3 + i, 3 + j] * error[3 + j]
+        after[2, i], after[3, i] = gyro_bias[i] + error[9 + i], accel_bias[i] + error[12 + i]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

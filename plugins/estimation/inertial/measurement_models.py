@@ -5,14 +5,15 @@ from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     GYRO_BIAS,
     IDENTITY_3,
-    POSITION,
-    ROTATION,
-    VELOCITY,
     InertialState,
 )
+from numba import njit, types
 
 from executive.arrays import Float
-from executive.geometry.rotation import skew
+
+_VECTOR = types.Array(types.float64, 1, "A", readonly=True)
+_MATRIX = types.Array(types.float64, 2, "A", readonly=True)
+_NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
 
 # Each residual is measured − predicted, shape (3,), with H, the derivative of the prediction by the
 # error of the state, shape (3, 15).
@@ -25,10 +26,9 @@ def antenna_residual(
 
     Here l is the antenna's lever arm in IMU axes [m].
     """
-    H = np.zeros((3, DIMENSION))
-    H[:, ROTATION] = -state.R_map_imu @ skew(arm_imu)
-    H[:, POSITION] = IDENTITY_3
-    return p_map_antenna - state.p_map_imu - state.R_map_imu @ arm_imu, H
+    H, residual = np.empty((3, DIMENSION)), np.empty(3)
+    _antenna(state.R_map_imu, state.p_map_imu, arm_imu, p_map_antenna, residual, H)
+    return residual, H
 
 
 def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Float]:
@@ -37,12 +37,9 @@ def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Fl
     Here l is the point in IMU axes [m]. A point on the turn axis does not move while the chassis
     is at rest, even if the cabin turns.
     """
-    speed = skew(state.rate) @ arm_imu
-    H = np.zeros((3, DIMENSION))
-    H[:, ROTATION] = -state.R_map_imu @ skew(speed)
-    H[:, VELOCITY] = IDENTITY_3
-    H[:, GYRO_BIAS] = state.R_map_imu @ skew(arm_imu)
-    return -(state.v_map_imu + state.R_map_imu @ speed), H
+    H, residual = np.empty((3, DIMENSION)), np.empty(3)
+    _standstill(state.R_map_imu, state.v_map_imu, state.rate, arm_imu, residual, H)
+    return residual, H
 
 
 def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
@@ -50,3 +47,41 @@ def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
     H = np.zeros((3, DIMENSION))
     H[:, GYRO_BIAS] = -IDENTITY_3
     return rate_imu - state.rate, H
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _turned(R: Float, arm: Float, sign: float, after: Float) -> None:
+    """Write ± R [l]×, shape (3, 3)."""
+    for i in range(3):
+        for j in range(3):
+            k, m = (j + 1) % 3, (j + 2) % 3
+            after[i, j] = sign * (R[i, k] * arm[m] - R[i, m] * arm[k])
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _NEW_MATRIX), cache=True
+)
+def _antenna(R: Float, p: Float, arm: Float, antenna: Float, residual: Float, H: Float) -> None:
+    """Do what `antenna_residual` does, with results in arrays of the caller."""
+    H[:, :] = 0.0
+    _turned(R, arm, -1.0, H[:, 0:3])
+    for i in range(3):
+        H[i, 6 + i] = 1.0
+        residual[i] = antenna[i] - p[i] - (R[i, 0] * arm[0] + R[i, 1] * arm[1] + R[i, 2] * arm[2])
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _NEW_MATRIX), cache=True
+)
+def _standstill(R: Float, v: Float, rate: Float, arm: Float, residual: Float, H: Float) -> None:
+    """Do what `standstill_residual` does, with results in arrays of the caller."""
+    speed = np.empty(3)
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        speed[i] = rate[k] * arm[m] - rate[m] * arm[k]
+    H[:, :] = 0.0
+    _turned(R, speed, -1.0, H[:, 0:3])
+    _turned(R, arm, 1.0, H[:, 9:12])
+    for i in range(3):
+        H[i, 3 + i] = 1.0
+        residual[i] = -(v[i] + R[i, 0] * speed[0] + R[i, 1] * speed[1] + R[i, 2] * speed[2])

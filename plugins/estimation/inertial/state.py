@@ -8,7 +8,7 @@ from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.strapdown import (
     advance,
     carry_covariance_by,
-    carry_cross_by,
+    step_into,
     write_turn,
 )
 
@@ -119,21 +119,46 @@ def carry_covariance(
     return after
 
 
-def carry_cross(state: InertialState, cross: Float, dt_s: float) -> Float:
-    """Propagate the cross-covariance of the state's error with another error.
+def stepped(
+    state: InertialState, covariance: Float, cross: Float, sample: Inertial, noise: InertialNoise
+) -> tuple[InertialState, Float, Float]:
+    """Propagate a state and the uncertainty of its error to the end of a later sample.
 
     Args:
         state: The state before the step.
-        cross: Cross-covariance, shape (15, k).
-        dt_s: Length of the step [s].
+        covariance: Of its error, shape (15, 15).
+        cross: Cross-covariance of its error with k others, shape (15, k).
+        sample: The sample that the step leads to.
+        noise: Noise of the inertial sensor.
 
     Returns:
-        Cross-covariance after the step, shape (15, k).
+        The three after the step.
     """
-    force = state.sample.force - state.accel_bias
-    after = np.empty(cross.shape)
-    carry_cross_by(cross, state.R_map_imu, state.rate, force, dt_s, after)
-    return after
+    newest, dt_s = state.sample, sample.stamp_s - state.sample.stamp_s
+    P, C = np.empty((DIMENSION, DIMENSION)), np.empty(cross.shape)
+    R, p, v = np.empty((3, 3)), np.empty(3), np.empty(3)
+    step_into(
+        covariance,
+        cross,
+        state.R_map_imu,
+        state.p_map_imu,
+        state.v_map_imu,
+        state.gyro_bias,
+        state.accel_bias,
+        newest.rate,
+        newest.force,
+        sample.rate,
+        sample.force,
+        noise.densities,
+        dt_s,
+        noise.gravity_m_s2,
+        P,
+        C,
+        R,
+        p,
+        v,
+    )
+    return InertialState(sample, R, p, v, state.gyro_bias, state.accel_bias), P, C
 
 
 def error_transition(state: InertialState, dt_s: float) -> Float:

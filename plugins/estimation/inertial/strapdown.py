@@ -156,17 +156,6 @@ def _turned_force(R: Float, force: Float) -> Float:
     return product
 
 
-@njit(types.void(_MATRIX, _MATRIX, _VECTOR, _VECTOR, _REAL, _NEW_MATRIX), cache=True)  # type: ignore[untyped-decorator]
-def carry_cross_by(
-    C: Float, R: Float, rate: Float, force: Float, dt_s: float, after: Float
-) -> None:
-    """Compute F C, the cross-covariance of the state's error with another, shape (15, k) → (15, k).
-
-    The other arguments are those of `carry_covariance_by`.
-    """
-    _carry_rows(C, _turn(rate, -dt_s), R, _turned_force(R, force), dt_s, after)
-
-
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def carry_covariance_into(
     P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
@@ -203,3 +192,69 @@ def carry_covariance_by(
         after: Result, shape (15, 15).
     """
     carry_covariance_into(P, R, rate, force, densities, dt_s, after)
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.void(
+        *(_MATRIX, _MATRIX, _MATRIX, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR),
+        *(_VECTOR, _VECTOR, _VECTOR, _REAL, _REAL),
+        *(_NEW_MATRIX, _NEW_MATRIX, _NEW_MATRIX, _NEW_VECTOR, _NEW_VECTOR),
+    ),
+    cache=True,
+)
+def step_into(  # noqa: PLR0913 - compiled code takes the arrays of a state one by one
+    P: Float,
+    C: Float,
+    R: Float,
+    p: Float,
+    v: Float,
+    gyro_bias: Float,
+    accel_bias: Float,
+    rate: Float,
+    force: Float,
+    next_rate: Float,
+    next_force: Float,
+    densities: Float,
+    dt_s: float,
+    gravity_m_s2: float,
+    P_after: Float,
+    C_after: Float,
+    R_after: Float,
+    p_after: Float,
+    v_after: Float,
+) -> None:
+    """Compute a state, its covariance and the cross-covariances of its error after a step.
+
+    Three calls in one: between samples the caches cool, and each call would read its code anew.
+
+    Args:
+        P: Covariance of the state's error, shape (15, 15).
+        C: Cross-covariance of that error with k others, shape (15, k).
+        rate, force: Of the newest sample that was integrated; the covariance is carried by them.
+        next_rate, next_force: Of the sample that the step leads to; the state is moved by them.
+        densities: See `carry_covariance_by`.
+        P_after, C_after: Results, of the shapes of P and C.
+
+    The others are those of `advance`.
+    """
+    own_rate, own_force = np.empty(3), np.empty(3)
+    for i in range(3):
+        own_rate[i], own_force[i] = rate[i] - gyro_bias[i], force[i] - accel_bias[i]
+    if C.shape[1] > 0:
+        turned_back, by_rotation = _turn(own_rate, -dt_s), _turned_force(R, own_force)
+        _carry_rows(C, turned_back, R, by_rotation, dt_s, C_after)
+    carry_covariance_into(P, R, own_rate, own_force, densities, dt_s, P_after)
+    advance(
+        R,
+        p,
+        v,
+        gyro_bias,
+        accel_bias,
+        next_rate,
+        next_force,
+        dt_s,
+        gravity_m_s2,
+        R_after,
+        p_after,
+        v_after,
+    )

@@ -3,9 +3,8 @@
 Several corrections may be due at one inertial sample, and the cost of NumPy calls would delay it.
 """
 
-import math
-
 import numpy as np
+from executive_plugins.estimation.cholesky import forward, triangulate
 from numba import njit, types
 
 from executive.arrays import Float
@@ -13,38 +12,6 @@ from executive.arrays import Float
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
 _NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _triangulate(S: Float) -> bool:
-    """Replace the lower triangle of a symmetric matrix (m, m) by its Cholesky factor.
-
-    Returns:
-        Whether the matrix is positive definite.
-    """
-    for i in range(S.shape[0]):
-        for j in range(i + 1):
-            rest = S[i, j]
-            for k in range(j):
-                rest -= S[i, k] * S[j, k]
-            if i > j:
-                S[i, j] = rest / S[j, j]
-            elif rest > 0.0:
-                S[i, i] = math.sqrt(rest)
-            else:  # also for NaN
-                return False
-    return True
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _forward(L: Float, b: Float) -> None:
-    """Replace b by L⁻¹ b, with the lower triangle of L, shapes (m, m), (m, k)."""
-    for i in range(L.shape[0]):
-        for c in range(b.shape[1]):
-            rest = b[i, c]
-            for j in range(i):
-                rest -= L[i, j] * b[j, c]
-            b[i, c] = rest / L[i, i]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -76,9 +43,9 @@ def _correct(
     """Do what `corrected` does, with results in arrays of the caller."""
     n = P.shape[0]
     W, L = _innovation(H, P, residual, noise)
-    if not _triangulate(L):
+    if not triangulate(L):
         return False
-    _forward(L, W)
+    forward(L, W)
     distance2 = 0.0
     error[:] = 0.0
     for i in range(L.shape[0]):
@@ -94,6 +61,30 @@ def _correct(
                 value -= W[k, i] * W[k, j]
             after[i, j] = after[j, i] = value
     return True
+
+
+@njit(types.void(_MATRIX, _MATRIX, _NEW_MATRIX), cache=True)  # type: ignore[untyped-decorator]
+def _project(H: Float, P: Float, after: Float) -> None:
+    """Do what `projected` does, with the result in an array of the caller."""
+    n = P.shape[0]
+    row = np.empty(n)
+    for i in range(H.shape[0]):
+        row[:] = 0.0
+        for k in range(n):
+            if H[i, k] != 0.0:  # most entries are zero
+                for j in range(n):
+                    row[j] += H[i, k] * P[k, j]
+        for j in range(H.shape[0]):
+            after[i, j] = 0.0
+            for k in range(n):
+                after[i, j] += row[k] * H[j, k]
+
+
+def projected(H: Float, P: Float) -> Float:
+    """Return H P Hᵀ, the covariance of a prediction, shapes (m, n), (n, n) → (m, m)."""
+    after = np.empty((len(H), len(H)))
+    _project(H, P, after)
+    return after
 
 
 def corrected(

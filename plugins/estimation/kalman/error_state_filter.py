@@ -13,13 +13,12 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
     carry_covariance,
-    carry_cross,
-    propagate,
+    stepped,
 )
 from executive_plugins.estimation.inertial.usual_motion import UsualMotion
 from executive_plugins.estimation.kalman import bias_step
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
-from executive_plugins.estimation.kalman.compiled_correction import considered, corrected
+from executive_plugins.estimation.kalman.compiled_correction import considered, corrected, projected
 from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.arrays import Float
@@ -76,20 +75,21 @@ class ErrorStateFilter:
         dt_s = sample.stamp_s - self.state.stamp_s
         if dt_s <= 0:
             return
-        if self._own.size:
-            self._cross = carry_cross(self.state, self._cross, dt_s)
         if self._clocks:
             self._own[0, 0] += dt_s * _CLOCK_WALK_S**2
             weight = dt_s / (dt_s + self.clock_std_s)
             self._mean_rate = self._mean_rate + weight * (sample.rate - self._mean_rate)
-        self.covariance = self.covariance_after(dt_s)
-        if sample.since_last_s > _LONG_GAP_S:
-            self.gap_s = sample.stamp_s
-            self._inflate_by_gap(sample.since_last_s, dt_s)
+        since_last_s, is_gap = sample.since_last_s, sample.since_last_s > _LONG_GAP_S
+        if is_gap:
             sample = self._at_constant_velocity(sample)
         elif self._usual.is_due(sample.stamp_s):
             self._usual.add(sample.stamp_s, self.acceleration(), self.state.rate)
-        self.state = propagate(self.state, sample, self._noise.gravity_m_s2)
+        self.state, self.covariance, self._cross = stepped(
+            self.state, self.covariance, self._cross, sample, self._noise
+        )
+        if is_gap:
+            self.gap_s = sample.stamp_s
+            self._inflate_by_gap(since_last_s, dt_s)
 
     def _inflate_by_gap(self, since_last_s: float, dt_s: float) -> None:
         """Add a share of a gap's variance, since the gap may be integrated in several parts."""
@@ -125,8 +125,7 @@ class ErrorStateFilter:
 
     def predicted(self, H: Float, by_clock: Float | None = None) -> Float:
         """Return the covariance of a prediction, shape (m, m); see `correct`."""
-        joint = self._joint(H, by_clock)
-        return joint @ self._joint_covariance() @ joint.T
+        return projected(self._joint(H, by_clock), self._joint_covariance())
 
     def correct(
         self,
@@ -188,7 +187,7 @@ class ErrorStateFilter:
         self.state, J[:DIMENSION, :DIMENSION] = self._moved(error[:DIMENSION])
         if self._own.size:
             J[DIMENSION:, DIMENSION:] = self._move_companions(error[DIMENSION:])
-        P = J @ P @ J.T
+        P = projected(J, P)
         if self._own.size:
             self._cross, self._own = P[:DIMENSION, DIMENSION:], P[DIMENSION:, DIMENSION:]
         self.covariance = P[:DIMENSION, :DIMENSION]

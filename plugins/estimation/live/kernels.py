@@ -34,6 +34,7 @@ Block = NDArray[np.void]
 _LIVE, _ROW = from_dtype(LIVE)[::1], from_dtype(ROW)[::1]
 _ESTIMATE = from_dtype(ESTIMATE)[::1]
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
+_MATRIX = types.Array(types.float64, 2, "A", readonly=True)
 _N = 15
 
 
@@ -249,6 +250,56 @@ def _anchor(s: Any, e: Any) -> None:
         for j in range(_N):
             s.from_P[i, j] = e.P[i, j]
     s.carried_s = -math.inf
+
+
+@njit(  # type: ignore[untyped-decorator]
+    types.void(
+        *(_ESTIMATE, types.float64, types.float64, _VECTOR, _VECTOR),
+        *(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _MATRIX, types.int64),
+    ),
+    cache=True,
+)
+def write_estimate(  # noqa: PLR0913 - compiled code takes the arrays of a state one by one
+    estimate: Block,
+    stamp_s: float,
+    since_last_s: float,
+    rate: Float,
+    force: Float,
+    R: Float,
+    p: Float,
+    v: Float,
+    gyro_bias: Float,
+    accel_bias: Float,
+    P: Float,
+    mode: int,
+) -> None:
+    """Write the values of an estimate, shape (1,), dtype `ESTIMATE`; see `packing.pack_into`."""
+    e = estimate[0]
+    e.sample.stamp_s, e.sample.since_last_s, e.mode = stamp_s, since_last_s, mode
+    for i in range(3):
+        e.sample.rate[i], e.sample.force[i] = rate[i], force[i]
+        e.p[i], e.v[i] = p[i], v[i]
+        e.gyro_bias[i], e.accel_bias[i] = gyro_bias[i], accel_bias[i]
+        for j in range(3):
+            e.R[i, j] = R[i, j]
+    for i in range(_N):
+        for j in range(_N):
+            e.P[i, j] = P[i, j]
+
+
+@njit(types.boolean(_ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
+def has_finite_values(estimate: Block) -> bool:
+    """Return whether state and covariance of an estimate are finite, shape (1,)."""
+    e, total = estimate[0], 0.0
+    for i in range(3):
+        # What is not finite times zero is NaN, and so is the sum.
+        total += 0.0 * e.p[i] + 0.0 * e.v[i] + 0.0 * e.gyro_bias[i] + 0.0 * e.accel_bias[i]
+        for j in range(3):
+            total += 0.0 * e.R[i, j]
+    for i in range(_N):
+        for j in range(_N):
+            total += 0.0 * e.P[i, j]
+    return total == 0.0
 
 
 @njit(types.void(_LIVE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]

@@ -3,7 +3,7 @@
 import numpy as np
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.estimate import Estimate
-from executive_plugins.estimation.live.kernels import Block
+from executive_plugins.estimation.live.kernels import Block, has_finite_values, write_estimate
 from executive_plugins.estimation.live.layout import ESTIMATE, SAMPLES
 from executive_plugins.estimation.live.modes import Mode
 
@@ -54,13 +54,21 @@ def pack_into(row: Block, estimate: Estimate) -> None:
 
     Its changes of mode and its refusals are not part of a row.
     """
-    state, to = estimate.state, row[0]
-    sample = to["sample"]
-    sample["stamp_s"], sample["since_last_s"] = state.sample.stamp_s, state.sample.since_last_s
-    sample["rate"], sample["force"] = state.sample.rate, state.sample.force
-    to["R"], to["p"], to["v"] = state.R_map_imu, state.p_map_imu, state.v_map_imu
-    to["gyro_bias"], to["accel_bias"] = state.gyro_bias, state.accel_bias
-    to["P"], to["mode"] = estimate.covariance, MODES.index(estimate.mode)
+    state, sample = estimate.state, estimate.state.sample
+    write_estimate(
+        row,
+        sample.stamp_s,
+        sample.since_last_s,
+        sample.rate,
+        sample.force,
+        state.R_map_imu,
+        state.p_map_imu,
+        state.v_map_imu,
+        state.gyro_bias,
+        state.accel_bias,
+        estimate.covariance,
+        MODES.index(estimate.mode),
+    )
 
 
 def unpacked(row: Block) -> tuple[InertialState, Float]:
@@ -74,7 +82,4 @@ def unpacked(row: Block) -> tuple[InertialState, Float]:
 
 def is_finite(row: Block) -> bool:
     """Return whether all values of an estimate are finite, shape (1,), dtype `ESTIMATE`."""
-    return all(
-        bool(np.isfinite(row[name]).all())
-        for name in ("R", "p", "v", "gyro_bias", "accel_bias", "P")
-    )
+    return bool(has_finite_values(row))

@@ -17,9 +17,7 @@ from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     Inertial,
-    carry_covariance,
-    carry_cross,
-    propagate,
+    stepped,
 )
 from executive_plugins.estimation.start.fix_groups import grouped, longest_straight_s
 from executive_plugins.estimation.start.found import ClockOffset, Found
@@ -279,9 +277,6 @@ class WindowStart:
         """Carry state and covariance on to the newest sample."""
         state, covariance, cross = found.state, found.covariance, found.clock.cross[:, None]
         for sample in self._samples.between(state.stamp_s, self._samples.newest_s):
-            dt_s = sample.stamp_s - state.stamp_s
-            cross = carry_cross(state, cross, dt_s)
-            covariance = carry_covariance(state, covariance, self._noise, dt_s)
-            state = propagate(state, sample, self._noise.gravity_m_s2)
+            state, covariance, cross = stepped(state, covariance, cross, sample, self._noise)
         clock = ClockOffset(found.clock.offset_s, found.clock.std_s, cross[:, 0])
         return replace(found, state=state, covariance=covariance, clock=clock)

@@ -6,10 +6,10 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
     carry_covariance,
-    carry_cross,
     error_transition,
     propagate,
     propagate_through,
+    stepped,
 )
 
 from executive.geometry.rotation import exp_so3
@@ -39,7 +39,23 @@ def test_covariance_is_carried_by_the_transition_of_errors() -> None:
 def test_the_cross_covariance_is_propagated_by_the_same_transition() -> None:
     state, cross = some_state(), np.random.default_rng(7).normal(0, 0.1, (15, 6))
     expected = error_transition(state, STEP_S) @ cross
-    np.testing.assert_allclose(carry_cross(state, cross, STEP_S), expected, rtol=1e-9, atol=1e-12)
+    sample = Inertial(1.0 + STEP_S, *np.random.default_rng(9).normal(0, 1, (2, 3)))
+    _, _, crossed = stepped(state, np.eye(15), cross, sample, NOISE)
+    np.testing.assert_allclose(crossed, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_a_step_is_that_of_the_state_and_that_of_its_covariance() -> None:
+    """The covariance is carried by the sample before, and the state by the next one."""
+    state, rng = some_state(), np.random.default_rng(6)
+    root, sample = rng.normal(0, 0.1, (15, 15)), Inertial(1.03, *rng.normal(0, 1, (2, 3)))
+    after, covariance, none = stepped(state, root @ root.T, np.empty((15, 0)), sample, NOISE)
+    assert after.sample is sample
+    assert none.shape == (15, 0)
+    for a, b in zip(numbers(after), numbers(propagate(state, sample, 9.81)), strict=True):
+        np.testing.assert_array_equal(a, b)
+    dt_s = sample.stamp_s - state.stamp_s
+    same = carry_covariance(state, root @ root.T, NOISE, dt_s)
+    np.testing.assert_allclose(covariance, same, rtol=1e-13, atol=1e-18)
 
 
 def test_propagation_through_samples_equals_single_steps() -> None:

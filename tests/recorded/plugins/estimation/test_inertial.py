@@ -14,12 +14,12 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
     carry_covariance,
-    carry_cross,
     error_transition,
     propagate,
     propagate_through,
     retract,
     rotation_step,
+    stepped,
 )
 from executive_plugins.estimation.kalman.compiled_correction import corrected
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
@@ -54,8 +54,12 @@ def test_propagation(recorded) -> None:
 @pytest.mark.parametrize("dt_s", [0.01, 0.5])
 def test_covariance(recorded, dt_s) -> None:
     cross = np.random.default_rng(3).normal(0, 1, (15, 6))
-    carried = carry_covariance(state(), covariance(), NOISE, dt_s)
-    recorded((carried, carry_cross(state(), cross, dt_s), error_transition(state(), dt_s)))
+    after, carried, crossed = stepped(state(), covariance(), cross, sample(1.0 + dt_s), NOISE)
+    same = carry_covariance(state(), covariance(), NOISE, dt_s)
+    np.testing.assert_allclose(carried, same, rtol=1e-13)
+    moved = propagate(state(), sample(1.0 + dt_s), 9.81)
+    np.testing.assert_allclose(after.p_map_imu, moved.p_map_imu, rtol=1e-13)
+    recorded((carried, crossed, error_transition(state(), dt_s)))
 
 
 def test_retraction(recorded) -> None:
