@@ -100,6 +100,7 @@ class FirstGuess(GnssImuFilter):
     def _keep_state(self) -> None:
         if self._trailing is None:
             return
+        self._trailing.follow()
         state = self._trailing.kalman.state
         if not self.states or state.stamp_s > self.states[-1].stamp_s:
             self.states.append(state)

@@ -53,7 +53,7 @@ class TrailingFilter(Generic[K]):
     The lag grows with the delays that are met, up to two seconds.
 
     Attributes:
-        kalman: The filter, `lag_s` behind the propagator.
+        kalman: The filter, by `lag_s` or a little more behind the propagator.
     """
 
     def __init__(self, kalman: K, lag_s: float, propagator: LivePropagator) -> None:
@@ -85,28 +85,43 @@ class TrailingFilter(Generic[K]):
             self._lag_s = max(self._lag_s, min(_MARGIN * late_s, _LONGEST_S))
 
     def add_sample(self, sample: Inertial) -> None:
-        """Advance the filter after a sample, and correct the propagator where it applies."""
+        """Take a sample; advance the filter and correct the propagator where that is due.
+
+        The filter is advanced through several samples at once, when a correction is due or the
+        propagator's covariance is old: between samples the processor's caches cool, and a step
+        alone takes five times as long as one among others.
+        """
         self._samples.append(sample)
-        is_corrected = self._advance(sample.stamp_s - self._lag_s)
-        if not is_corrected and sample.stamp_s - self._anchored_s < _COVARIANCE_PERIOD_S:
+        if self._is_corrected_by(sample.stamp_s - self._lag_s) or (
+            sample.stamp_s - self._anchored_s >= _COVARIANCE_PERIOD_S
+        ):
+            self.follow()
+
+    def follow(self) -> None:
+        """Advance the filter to where it trails the newest sample by the lag, and report it."""
+        if not self._samples:
             return
-        self._anchored_s = sample.stamp_s
+        newest_s = self._samples[-1].stamp_s
+        is_corrected = self._is_corrected_by(newest_s - self._lag_s)
+        self._advance(newest_s - self._lag_s)
+        self._anchored_s = newest_s
         estimate = packed(*self.kalman.reported())
         if is_corrected:
             self._propagator.take(estimate)
         else:
             self._propagator.anchor(estimate)
 
-    def _advance(self, until_s: float) -> bool:
-        """Predict up to a time with all corrections until then; return whether there were any."""
-        is_corrected = False
+    def _is_corrected_by(self, until_s: float) -> bool:
+        """Return whether a correction is due until a time."""
+        return bool(self._corrections) and self._corrections[0].stamp_s <= until_s
+
+    def _advance(self, until_s: float) -> None:
+        """Predict up to a time, with all corrections until then."""
         while self._corrections and self._corrections[0].stamp_s <= until_s:
             correction = self._corrections.pop(0)
             self._predict(correction.stamp_s)
             correction.apply()
-            is_corrected = True
         self._predict(until_s)
-        return is_corrected
 
     def _predict(self, until_s: float) -> None:
         while self._samples and self._samples[0].stamp_s <= until_s:

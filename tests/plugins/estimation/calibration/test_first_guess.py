@@ -101,7 +101,9 @@ def test_the_refusal_says_what_the_start_waits_for(guess) -> None:
 
 def trailing(state: InertialState, clock_s: float = 0.0) -> SimpleNamespace:
     return SimpleNamespace(
-        kalman=SimpleNamespace(state=state, clock_s=clock_s), add_sample=lambda sample: None
+        kalman=SimpleNamespace(state=state, clock_s=clock_s),
+        add_sample=lambda sample: None,
+        follow=lambda: None,
     )
 
 

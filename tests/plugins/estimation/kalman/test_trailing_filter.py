@@ -61,7 +61,21 @@ def test_corrections_are_applied_at_their_own_time_and_in_order() -> None:
     assert [stamp_s for stamp_s, _ in trail.applied] == [10.225, 10.253, 10.285]
     for stamp_s, at_s in trail.applied:
         assert at_s == pytest.approx(stamp_s)
+
+
+def test_the_filter_steps_through_several_samples_at_once_and_through_all_on_request() -> None:
+    trail, stamps_s = Trail(), set()
+    trail.trailing.follow()  # there is no sample yet
+    for k in range(1, 51):
+        trail.until(10.0 + k / 100)
+        stamps_s.add(round(trail.kalman.state.stamp_s, 4))
+        assert k <= 10 or 10.0 + k / 100 - max(stamps_s) == pytest.approx(0.125, abs=0.0251)
+    assert len(stamps_s) <= 11  # 50 samples, of which 10 lie within the lag
+    trail.trailing.follow()
     assert trail.kalman.state.stamp_s == pytest.approx(10.4)
+    assert trail.add(10.405)
+    trail.until(10.51)
+    assert [stamp_s for stamp_s, _ in trail.applied] == [10.405]
 
 
 def test_two_corrections_of_one_moment_are_both_applied() -> None:
