@@ -11,6 +11,7 @@ from executive_plugins.estimation.factors import (
     fix_factor,
 )
 from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate
+from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.measurements import (
     Fix,
     Increment,
@@ -18,6 +19,7 @@ from executive_plugins.estimation.gate.measurements import (
     PendingMeasurement,
     Standstill,
 )
+from executive_plugins.estimation.gate.stream_period import StreamPeriod
 from executive_plugins.estimation.graph.chain_anchor import ChainAnchor
 from executive_plugins.estimation.graph.fix_comparison import compared, predicted
 from executive_plugins.estimation.graph.increment_check import IncrementCheck
@@ -61,6 +63,7 @@ class GraphSmoother:
         self._modes = Modes()
         self._gate = GnssGate(settings.gate)
         self._increments = IncrementCheck(noise, settings.increment_gate)
+        self._fix_alarm, self._fix_period = InnovationAlarm(3), StreamPeriod()
         self._chain = LidarChain()
         self._anchor = ChainAnchor(settings)
         self._waiting: list[PendingMeasurement] = []
@@ -196,7 +199,7 @@ class GraphSmoother:
 
     def _take_increment(self, increment: Increment) -> None:
         if increment.from_s > self._main.oldest_s:
-            admitted = self._increments.admitted(increment, self._main)
+            admitted = self._increments.admitted(increment, self._main, self._fixes_hold())
             if admitted is None:
                 self._refused["odometry: outlier"] += 1
                 return  # the next increment begins a new chain
@@ -212,8 +215,18 @@ class GraphSmoother:
         if self._fallback is not None and newest is not None:
             self._anchor.add_pose(self._fallback, increment, newest[1])
 
+    def _fixes_hold(self) -> bool:
+        """Return whether the estimate is held by fixes that agree with it.
+
+        Fixes that drift contradict odometry as well; they contradict the estimate first.
+        """
+        return not (self._modes.is_fallen_back or self._fix_alarm.is_raised)
+
     def _take_fix(self, fix: Fix) -> None:
         compared = self._compared(fix)
+        self._fix_period.add(fix.stamp_s)
+        gate, period_s = self._settings.gate.innovation, self._fix_period.period_s
+        self._fix_alarm.add(compared.residual, compared.covariance, gate, period_s)
         if self._modes.is_fallen_back:
             self._recover(compared)
             return
@@ -251,6 +264,7 @@ class GraphSmoother:
         """
         self._modes.change(stamp_s, Mode.FALLBACK, reason)
         self._gate.begin_recovery()
+        self._increments.acquit()
         if self._settings.fallback == "relative":
             return
         self._solve()  # without the fixes that were removed

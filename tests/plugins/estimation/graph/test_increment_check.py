@@ -55,7 +55,7 @@ def admitted(off: Float, gate: float = 32.0) -> Increment | None:
     """Return what becomes of an increment that is off by (rotation, translation), in later axes."""
     window, T = moving()
     wrong = pose(T[:3, :3] @ exp_so3(off[:3]), T[:3, 3] + T[:3, :3] @ off[3:])
-    return IncrementCheck(NOISE, gate).admitted(Increment(0.5, 1.0, wrong, ODOMETRY), window)
+    return IncrementCheck(NOISE, gate).admitted(Increment(0.5, 1.0, wrong, ODOMETRY), window, False)
 
 
 def test_a_right_increment_is_used_as_it_is() -> None:
@@ -76,6 +76,53 @@ def test_the_gate_is_where_noise_and_the_velocity_end(axis: int) -> None:
     assert admitted(0.97 * off) is not None
     # Its own record makes an odometry that is off less certain, so that the gate is a little wider.
     assert admitted(3.0 * off) is None
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.1, 2.0])
+@pytest.mark.parametrize("is_tied", [True, False])
+def test_odometry_that_errs_by_a_share_of_the_way_is_refused_while_fixes_hold(
+    factor: float, is_tied: bool
+) -> None:
+    window, T = moving()
+    check = IncrementCheck(NOISE, 1e9)
+    long = Increment(0.5, 1.0, pose(T[:3, :3], factor * T[:3, 3]), ODOMETRY)
+    used = [check.admitted(long, window, is_tied) is not None for _ in range(60)]
+    # Without fixes, nothing could outvote it.
+    assert not any(used[48:]) if is_tied else all(used)
+
+
+def test_who_is_refused_is_decided_when_a_lean_begins() -> None:
+    """Fixes that drift contradict the estimate first; odometry leans once they have drawn it."""
+    window, T = moving()
+    check = IncrementCheck(NOISE, 1e9)
+    long = Increment(0.5, 1.0, pose(T[:3, :3], 1.2 * T[:3, 3]), ODOMETRY)
+    assert check.admitted(long, window, False) is not None
+    for _ in range(40):  # the state agrees with the wrong fixes by now
+        assert check.admitted(long, window, True) is not None
+
+
+def test_odometry_is_used_again_when_its_lean_or_the_fixes_end() -> None:
+    window, T = moving()
+    right = Increment(0.5, 1.0, T, ODOMETRY)
+    long = replace(right, T_from_to=pose(T[:3, :3], 1.2 * T[:3, 3]))
+    check = IncrementCheck(NOISE, 1e9)
+    assert check.admitted(long, window, True) is None
+    used = [check.admitted(right, window, True) is not None for _ in range(100)]
+    assert not used[0]
+    assert all(used[60:])
+    assert check.admitted(long, window, True) is None
+    check.acquit()
+    assert all(check.admitted(long, window, False) is not None for _ in range(10))
+
+
+def test_sound_odometry_is_used_while_fixes_hold() -> None:
+    rng, (window, T) = np.random.default_rng(3), moving()
+    check, used = IncrementCheck(NOISE, 32.0), []
+    for _ in range(300):
+        off = rng.multivariate_normal(np.zeros(6), ODOMETRY)
+        near = pose(T[:3, :3] @ exp_so3(off[:3]), T[:3, 3] + off[3:])
+        used.append(check.admitted(Increment(0.5, 1.0, near, ODOMETRY), window, True) is not None)
+    assert all(used)
 
 
 def at(speed_m_s: Float) -> InertialState:
