@@ -46,8 +46,8 @@ trees:
 """
 TICK_MS = 50.0
 P99_MS, WORST_MS = Bound(55.0), Bound(200.0)
-# None is asked for. Medians of ten minutes differ by some 0.2 MB, as the free rest of a heap goes up
-# and down; ten bytes a tick would be 0.6 MB in the 50 minutes.
+# None is asked for. Medians of ten minutes differ by some 0.2 MB, as the free rest of a heap goes
+# up and down; ten bytes a tick would be 0.6 MB in the 50 minutes.
 GROWTH_MB = Bound(0.5)
 FILES_MB = Bound(50.0)
 
