@@ -7,6 +7,7 @@ from executive_plugins.estimation.inertial.state import (
     IDENTITY_3,
     InertialState,
 )
+from executive_plugins.estimation.inertial.strapdown import turned_cross
 from numba import njit, types
 
 from executive.arrays import Float
@@ -49,22 +50,13 @@ def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
     return rate_imu - state.rate, H
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _turned(R: Float, arm: Float, sign: float, after: Float) -> None:
-    """Write ± R [l]×, shape (3, 3)."""
-    for i in range(3):
-        for j in range(3):
-            k, m = (j + 1) % 3, (j + 2) % 3
-            after[i, j] = sign * (R[i, k] * arm[m] - R[i, m] * arm[k])
-
-
 @njit(  # type: ignore[untyped-decorator]
     types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _NEW_MATRIX), cache=True
 )
 def _antenna(R: Float, p: Float, arm: Float, antenna: Float, residual: Float, H: Float) -> None:
     """Do what `antenna_residual` does, with results in arrays of the caller."""
     H[:, :] = 0.0
-    _turned(R, arm, -1.0, H[:, 0:3])
+    H[:, 0:3] = -turned_cross(R, arm)
     for i in range(3):
         H[i, 6 + i] = 1.0
         residual[i] = antenna[i] - p[i] - (R[i, 0] * arm[0] + R[i, 1] * arm[1] + R[i, 2] * arm[2])
@@ -80,8 +72,7 @@ def _standstill(R: Float, v: Float, rate: Float, arm: Float, residual: Float, H:
         k, m = (i + 1) % 3, (i + 2) % 3
         speed[i] = rate[k] * arm[m] - rate[m] * arm[k]
     H[:, :] = 0.0
-    _turned(R, speed, -1.0, H[:, 0:3])
-    _turned(R, arm, 1.0, H[:, 9:12])
+    H[:, 0:3], H[:, 9:12] = -turned_cross(R, speed), turned_cross(R, arm)
     for i in range(3):
         H[i, 3 + i] = 1.0
         residual[i] = -(v[i] + R[i, 0] * speed[0] + R[i, 1] * speed[1] + R[i, 2] * speed[2])

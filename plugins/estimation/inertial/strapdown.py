@@ -146,7 +146,7 @@ def _carry_rows(
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _turned_force(R: Float, force: Float) -> Float:
+def turned_cross(R: Float, force: Float) -> Float:
     """Return R [f]×, shape (3, 3)."""
     product = np.empty((3, 3))
     for i in range(3):
@@ -161,7 +161,7 @@ def carry_covariance_into(
     P: Float, R: Float, rate: Float, force: Float, densities: Float, dt_s: float, after: Float
 ) -> None:
     """Compute F P Fᵀ + Q as `carry_covariance_by` does, for callers in compiled code."""
-    turned_back, by_rotation = _turn(rate, -dt_s), _turned_force(R, force)
+    turned_back, by_rotation = _turn(rate, -dt_s), turned_cross(R, force)
     half = np.empty((_N, _N))
     _carry_rows(P, turned_back, R, by_rotation, dt_s, half)
     # F (F P)ᵀ = F P Fᵀ, for P is symmetric.
@@ -241,7 +241,7 @@ def step_into(  # noqa: PLR0913 - compiled code takes the arrays of a state one 
     for i in range(3):
         own_rate[i], own_force[i] = rate[i] - gyro_bias[i], force[i] - accel_bias[i]
     if C.shape[1] > 0:
-        turned_back, by_rotation = _turn(own_rate, -dt_s), _turned_force(R, own_force)
+        turned_back, by_rotation = _turn(own_rate, -dt_s), turned_cross(R, own_force)
         _carry_rows(C, turned_back, R, by_rotation, dt_s, C_after)
     carry_covariance_into(P, R, own_rate, own_force, densities, dt_s, P_after)
     advance(
