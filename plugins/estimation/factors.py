@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import gtsam
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import CLOCK_WALK_S, ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import LONG_GAP_S
 from executive_plugins.estimation.inertial.state import (
@@ -17,7 +18,7 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
 )
-from gtsam.symbol_shorthand import B, V, X
+from gtsam.symbol_shorthand import B, V, X, Z
 
 from executive.arrays import Float
 from executive.geometry.pose import pose
@@ -37,6 +38,14 @@ _ORDER = np.r_[ROTATION, POSITION, VELOCITY, ACCEL_BIAS, GYRO_BIAS]
 def keys(node: int) -> tuple[int, int, int]:
     """Return the keys of a node's pose, velocity and bias."""
     return X(node), V(node), B(node)
+
+
+def clock_key(node: int) -> int:
+    """Return the key of the receiver's clock at a node: how late its stamps are [s].
+
+    It comes after the node's other keys in GTSAM's order.
+    """
+    return int(Z(node))
 
 
 def preintegration(noise: InertialNoise, gap_s: float = 0.0) -> gtsam.PreintegrationCombinedParams:
@@ -107,19 +116,35 @@ def covariance_of(R_node: Float, R_map_imu: Float) -> Float:
     return np.asarray(root @ root.T)
 
 
-def prior(node: int, state: InertialState, covariance: Float) -> list[gtsam.NonlinearFactor]:
-    """Return one factor on a whole node with a full covariance, linear about the state."""
+def prior(
+    node: int, state: InertialState, covariance: Float, clock: ClockOffset | None = None
+) -> list[gtsam.NonlinearFactor]:
+    """Return one factor on a whole node with a full covariance, linear about the state.
+
+    Args:
+        node: The node.
+        state: Its state.
+        covariance: Of the state's error, shape (15, 15).
+        clock: The receiver's clock; None if the node has none.
+    """
     J = np.eye(DIMENSION)[_ORDER]
     J[3:6] = J[3:6] @ _rotated(state.R_map_imu)
-    P = J @ covariance @ J.T + _LEAST_VARIANCE * np.eye(DIMENSION)
-    root = np.linalg.cholesky(np.linalg.inv(P)).T
-    x, v, b = keys(node)
-    unit = gtsam.noiseModel.Unit.Create(DIMENSION)
-    linear = gtsam.JacobianFactor(
-        x, root[:, :6], v, root[:, 6:9], b, root[:, 9:], np.zeros(DIMENSION), unit
-    )
+    P = J @ covariance @ J.T
     values = gtsam.Values()
     insert(values, node, state)
+    if clock is not None:
+        cross = (J @ clock.cross)[:, None]
+        P = np.block([[P, cross], [cross.T, clock.std_s**2]])
+        values.insert(clock_key(node), np.array([clock.offset_s]))
+    n = len(P)
+    root = np.linalg.cholesky(np.linalg.inv(P + _LEAST_VARIANCE * np.eye(n))).T
+    x, v, b = keys(node)
+    blocks = [(x, root[:, :6]), (v, root[:, 6:9]), (b, root[:, 9:DIMENSION])]
+    if clock is not None:
+        blocks.append((clock_key(node), root[:, DIMENSION:]))
+    linear = gtsam.GaussianConditional(
+        blocks, len(blocks), np.zeros(n), gtsam.noiseModel.Unit.Create(n)
+    )
     return [gtsam.LinearContainerFactor(linear, values)]
 
 
@@ -175,11 +200,11 @@ def shifted_fix_factor(node: int, clock: int, fix: Fix, rate_imu: Float) -> gtsa
     """Return a factor on a fix whose stamp is late by an unknown time d: |p_a − v_a d − z|.
 
     Here p_a = p + R l and v_a = v + R (ω × l) are position and velocity of the antenna. A motion
-    over d that is not linear is neglected; stamps are corrected by the offset that is known.
+    over d that is not linear is neglected: stamps are corrected by the offset that is known.
 
     Args:
         node: The node at the stamp.
-        clock: Key of d, a vector of one element [s].
+        clock: Key of a vector of one element, d and the offset by which the stamp was corrected.
         fix: The fix.
         rate_imu: Angular velocity ω in IMU axes [rad/s], shape (3,).
     """
@@ -187,7 +212,8 @@ def shifted_fix_factor(node: int, clock: int, fix: Fix, rate_imu: Float) -> gtsa
 
     def error(this: gtsam.CustomFactor, values: gtsam.Values, H: list[Float] | None) -> Float:
         x, v, d = this.keys()
-        T, velocity, late_s = values.atPose3(x), values.atVector(v), float(values.atVector(d)[0])
+        T, velocity = values.atPose3(x), values.atVector(v)
+        late_s = float(values.atVector(d)[0]) - fix.late_s
         R = T.rotation().matrix()
         v_antenna = velocity + R @ speed_imu
         if H is not None:
@@ -201,6 +227,19 @@ def shifted_fix_factor(node: int, clock: int, fix: Fix, rate_imu: Float) -> gtsa
         gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
     )
     return gtsam.CustomFactor(robust, [X(node), V(node), clock], error)
+
+
+def clock_factor(nodes: tuple[int, int], over_s: float) -> gtsam.NonlinearFactor:
+    """Return a factor on the receiver's clock at two nodes, which hardly changes from one to the
+    other.
+
+    Args:
+        nodes: The earlier node and the later one.
+        over_s: Time between them [s].
+    """
+    walk = gtsam.noiseModel.Isotropic.Sigma(1, CLOCK_WALK_S * np.sqrt(over_s))
+    first, second = nodes
+    return gtsam.BetweenFactorVector(clock_key(first), clock_key(second), np.zeros(1), walk)
 
 
 def between_factor(

@@ -11,6 +11,7 @@ from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.stamp_gate import StampGate
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial
+from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.live.kernels import is_beyond_range
 from executive_plugins.estimation.live.propagator import OUT_OF_RANGE, LivePropagator
 from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
@@ -44,6 +45,7 @@ _IDLING_RAD_S = 0.15
 UNKNOWN_BODY_GATE = 60.0
 # Clocks that nothing synchronises: delays of drivers and of a receiver's solution reach 0.2 s.
 _UNKNOWN_CLOCK_S = 0.1
+_AGREES = 0.5  # probability that an unknown clock agrees: nothing is known of which
 _REPORT_PERIOD_S = 5.0  # between reports of what a start waits for
 
 
@@ -65,6 +67,8 @@ class CabinEstimator(Estimator):
         if not body.is_described:
             known["rest"] = {"max_rate_std_rad_s": _IDLING_RAD_S}
             known["clock_std_s"] = _UNKNOWN_CLOCK_S
+            if body.clock_std_s is None:
+                known["clock_agrees"] = _AGREES
         if body.clock_std_s is not None:
             known["clock_std_s"] = body.clock_std_s
         return known
@@ -212,6 +216,13 @@ class CabinEstimator(Estimator):
             return
         if self._propagator.step(sample.stamp_s, sample.rate, sample.force) >= 0:
             self._aligning.add_sample(sample)
+
+    def _agreeing_clock(self) -> AgreeingClock | None:
+        """Return how likely the receiver's clock agrees; None if nothing is known of that."""
+        settings = self._cabin
+        if settings.clock_agrees == 0 or settings.clock_std_s == 0:
+            return None
+        return AgreeingClock(settings.clock_agrees, settings.clock_std_s)
 
     @abstractmethod
     def _start_at(self, found: Found) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import left_jacobian, moved_far
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
@@ -23,7 +24,7 @@ from executive_plugins.estimation.inertial.state import (
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.wide_heading import UNIFORM_STD_RAD, heading_gradient
 
 from executive.arrays import Float

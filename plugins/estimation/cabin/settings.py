@@ -44,6 +44,13 @@ class CabinSettings(PluginSettings):
         description="Standard deviation of the receiver's clock against the inertial sensor's, "
         "which is then estimated [s]; 0 if both are synchronised.",
     )
+    clock_agrees: float = Field(
+        0.0,
+        ge=0,
+        lt=1,
+        description="Probability that the receiver's clock agrees with the inertial sensor's, "
+        "before anything is measured; without effect where clock_std_s is 0.",
+    )
     restart_after_s: Seconds = Field(
         5.0,
         gt=0,

@@ -19,7 +19,6 @@ from executive_plugins.estimation.inertial.measurement_models import (
     standstill_residual,
 )
 from executive_plugins.estimation.inertial.state import Inertial
-from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
 from executive_plugins.estimation.kalman.held_clock import HeldClock
@@ -37,7 +36,6 @@ from executive.messages.odometry import LidarIncrement
 GLOBAL, SUSPECT, FALLBACK = "GLOBAL", "SUSPECT", "FALLBACK"
 _TRUSTED = 3  # fixes in a row within the gate that end a doubt about the state
 _STEP_AGO_S = 1.0  # by which a step of the biases may have begun to show
-_AGREES = 0.5  # probability that an unknown clock agrees: nothing is known of which
 _DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
 
 
@@ -62,8 +60,6 @@ class GnssImuFilter(CabinEstimator):
     @classmethod
     def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
         known = super().settings_for(body)
-        if body.clock_std_s is None and not body.is_described:
-            known = {**known, "clock_agrees": _AGREES}
         return known if body.is_described else {**known, "gate": UNKNOWN_BODY_GATE}
 
     def _restart(self) -> None:
@@ -86,8 +82,7 @@ class GnssImuFilter(CabinEstimator):
 
     def _start_at(self, found: Found) -> None:
         settings, kalman = self._settings, self._make_filter(found)
-        if settings.clock_agrees > 0 and settings.clock_std_s > 0:
-            kalman.agreeing_clock = AgreeingClock(settings.clock_agrees, settings.clock_std_s)
+        kalman.agreeing_clock = self._agreeing_clock()
         self._trailing = TrailingFilter(kalman, settings.lag_s, self._propagator)
         self._used_fix_s = found.state.stamp_s
         self._scales = {name: InnovationScale(3, found.fix_scale) for name in self._antennas_imu}

@@ -33,13 +33,6 @@ class GnssImuSettings(CabinSettings):
     fallback_after_s: Seconds = Field(
         1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."
     )
-    clock_agrees: float = Field(
-        0.0,
-        ge=0,
-        lt=1,
-        description="Probability that the receiver's clock agrees with the inertial sensor's, "
-        "before anything is measured; without effect where clock_std_s is 0.",
-    )
 
 
 class ErrorStateEkfSettings(GnssImuSettings):

@@ -6,7 +6,7 @@ outage, by agreement of several fixes in a row.
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from executive_plugins.estimation.gate.drift_record import DriftRecord
@@ -33,6 +33,8 @@ class Compared:
         has_odometry: Whether lidar odometry is available. If not, the estimate itself takes its
             place, which drifts without fixes.
         slack_m: Additional error of the prediction [m].
+        late_m: How far the antenna moves while the fix's stamp is late, if that was not corrected
+            before [m], shape (3,).
     """
 
     fix: Fix
@@ -42,6 +44,12 @@ class Compared:
     R_map_odometry: Float
     has_odometry: bool
     slack_m: float = 0.0
+    late_m: Float = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def p_map_fix(self) -> Float:
+        """The antenna by the fix at the time of its stamp [m], shape (3,)."""
+        return self.fix.p_map_antenna + self.late_m
 
     @property
     def distance2(self) -> float:
@@ -51,7 +59,7 @@ class Compared:
     def moved_since(self, earlier: "Compared") -> Float:
         """Return how far the fix moved beyond the odometry since an earlier one [m], shape (3,)."""
         by_odometry = self.R_map_odometry @ (self.p_odometry_antenna - earlier.p_odometry_antenna)
-        return self.fix.p_map_antenna - earlier.fix.p_map_antenna - by_odometry
+        return self.p_map_fix - earlier.p_map_fix - by_odometry
 
 
 class GnssGate:
@@ -178,7 +186,7 @@ def _moved(compared: Sequence[Compared]) -> float:
     """Return how far fixes and odometry moved apart between the first and last third [m]."""
     third, newest = len(compared) // 3, compared[-1]
     by_odometry = np.array([c.p_odometry_antenna for c in compared]) @ newest.R_map_odometry.T
-    offsets = np.array([c.fix.p_map_antenna for c in compared]) - by_odometry
+    offsets = np.array([c.p_map_fix for c in compared]) - by_odometry
     return _norm(offsets[-third:].mean(axis=0) - offsets[:third].mean(axis=0))
 
 

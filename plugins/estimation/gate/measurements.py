@@ -18,6 +18,7 @@ class Fix:
         arm_imu: The antenna in IMU axes [m], shape (3,).
         p_map_antenna: Measured position [m], shape (3,).
         covariance: In map axes [m²], shape (3, 3).
+        late_s: By how much the receiver's stamp was thought to be late; it is not in `stamp_s` [s].
     """
 
     stamp_s: float
@@ -25,6 +26,7 @@ class Fix:
     arm_imu: Float
     p_map_antenna: Float
     covariance: Float
+    late_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from executive_plugins.estimation.cabin.sensors import cabin_imu
 from executive_plugins.estimation.gate.measurements import Measurement
 from executive_plugins.estimation.graph.dual_graph import DualGraph
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.smoother_process import InlineSmoother, SmootherHost
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
@@ -36,9 +37,9 @@ class _RecordingSmoother(InlineSmoother):
         super().__init__(settings, noise)
         self.recordings: list[Recording] = []
 
-    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
-        self.recordings.append(Recording((state, covariance)))
-        super().begin(propagator, state, covariance)
+    def begin(self, propagator: LivePropagator, first: GraphEstimate) -> None:
+        self.recordings.append(Recording(first))
+        super().begin(propagator, first)
 
     def add(self, measurement: Measurement) -> None:
         self.recordings[-1].measurements.append(measurement)

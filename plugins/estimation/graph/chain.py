@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import gtsam
-from executive_plugins.estimation.factors import keys
+from executive_plugins.estimation.factors import clock_key, keys
 
 _INDEX = (1 << 56) - 1  # the last 56 bits of a key number its node; the first 8 are its letter
 
@@ -45,7 +45,9 @@ class GraphChain:
     suffices. Unlike there, a node may be inserted anywhere.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, has_clock: bool = False) -> None:
+        """Make one without nodes; `has_clock` says whether each has a clock."""
+        self._has_clock = has_clock
         self._done: list[Eliminated] = []
 
     def __len__(self) -> int:
@@ -53,7 +55,7 @@ class GraphChain:
 
     def copy(self) -> "GraphChain":
         """Return an independent chain with the same content."""
-        twin = GraphChain()
+        twin = GraphChain(self._has_clock)
         twin._done = self._done.copy()
         return twin
 
@@ -97,11 +99,19 @@ class GraphChain:
         for e in self._outstanding(self._done, set(nodes[:first])):
             buckets[_oldest(ranks, e.parents)].push_back(e.remainder)
         for node, bucket in zip(nodes[first:], buckets, strict=True):
-            conditional, remainder = gtsam.EliminateQR(bucket, _ordering(node))
+            conditional, remainder = gtsam.EliminateQR(bucket, self._ordering(node))
             parents = nodes_of(remainder)
             self._done.append(Eliminated(node, conditional, remainder, parents))
             if parents:
                 buckets[_oldest(ranks, parents)].push_back(remainder)
+
+    def _ordering(self, node: int) -> gtsam.Ordering:
+        ordering = gtsam.Ordering()
+        for key in keys(node):
+            ordering.push_back(key)
+        if self._has_clock:
+            ordering.push_back(clock_key(node))
+        return ordering
 
     def newest(self) -> gtsam.GaussianConditional:
         """Return the newest node's conditional, which has no parents."""
@@ -114,10 +124,3 @@ class GraphChain:
 
 def _oldest(ranks: Mapping[int, int], nodes: frozenset[int]) -> int:
     return min(ranks[node] for node in nodes)
-
-
-def _ordering(node: int) -> gtsam.Ordering:
-    ordering = gtsam.Ordering()
-    for key in keys(node):
-        ordering.push_back(key)
-    return ordering

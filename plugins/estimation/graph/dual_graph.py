@@ -7,6 +7,7 @@ import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement, Standstill
 from executive_plugins.estimation.gate.unordered_stamp_gate import UnorderedStampGate
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import DualGraphSettings
 from executive_plugins.estimation.graph.smoother_process import (
     InlineSmoother,
@@ -83,7 +84,9 @@ class DualGraph(CabinEstimator):
 
     def _start_at(self, found: Found) -> None:
         self._begun_s, self._late_s = found.state.stamp_s, found.clock.offset_s
-        self._host.begin(self._propagator, found.state, found.covariance)
+        agreeing = self._agreeing_clock()
+        first = GraphEstimate(found.state, found.covariance, found.clock, agreeing)
+        self._host.begin(self._propagator, first)
 
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
         update = self._host.sampled(self._propagator, sample, since_last_s, answered)
@@ -106,7 +109,7 @@ class DualGraph(CabinEstimator):
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         at_s, arm_imu = fix.stamp_s - self._late_s, self._antennas_imu[fix.antenna]
-        self._hand_over(Fix(at_s, fix.antenna, arm_imu, p_map_antenna, noise))
+        self._hand_over(Fix(at_s, fix.antenna, arm_imu, p_map_antenna, noise, self._late_s))
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         if not increment.from_s < increment.to_s:

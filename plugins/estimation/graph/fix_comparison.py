@@ -5,10 +5,11 @@ from executive_plugins.estimation.gate.gnss_gate import Compared
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
 from executive_plugins.estimation.graph.window import GraphWindow
-from executive_plugins.estimation.inertial.measurement_models import antenna_residual
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import InertialState
+from executive_plugins.estimation.inertial.state import InertialState, error_transition
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.fix_residual import fix_residual
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse, pose, transform
@@ -22,14 +23,30 @@ def compared(fix: Fix, window: GraphWindow, chain: LidarChain, noise: InertialNo
     Without a recent scan, the estimate takes the place of the odometry.
     """
     state, P = predicted(window, fix.stamp_s, noise)
-    residual, H = antenna_residual(state, fix.arm_imu, fix.p_map_antenna)
-    S = H @ P @ H.T + fix.covariance
+    clock = _clock_at(window, state)
+    kalman = ErrorStateFilter(state, P, noise, clock)
+    residual, H, by_clock, covariance = fix_residual(kalman, fix, fix.late_s)
+    known = kalman.predicted(H, by_clock)
+    S, late_m = known + covariance, np.zeros(3)
+    if by_clock is not None:
+        late_m = -by_clock * (clock.offset_s - fix.late_s)
     scan = chain.before(fix.stamp_s, _SCAN_S)
     if scan is None or scan[0] <= window.oldest_s:
-        slack_m = 3 * float(np.sqrt(np.linalg.eigvalsh(H @ P @ H.T)[-1]))
-        return Compared(fix, residual, S, fix.p_map_antenna - residual, np.eye(3), False, slack_m)
+        slack_m, p_antenna = 3 * float(np.sqrt(np.linalg.eigvalsh(known)[-1])), fix.p_map_antenna
+        p_antenna = p_antenna + late_m - residual
+        return Compared(fix, residual, S, p_antenna, np.eye(3), False, slack_m, late_m)
     T_chain_imu, R_map_chain = _reckoned(window, state, *scan)
-    return Compared(fix, residual, S, transform(T_chain_imu, fix.arm_imu), R_map_chain, True)
+    p_chain = transform(T_chain_imu, fix.arm_imu)
+    return Compared(fix, residual, S, p_chain, R_map_chain, True, late_m=late_m)
+
+
+def _clock_at(window: GraphWindow, state: InertialState) -> ClockOffset:
+    """Return the receiver's clock of a window, with what it shares with a state's error."""
+    clock, ahead_s = window.clock, state.stamp_s - window.newest_s
+    if clock.is_known or ahead_s <= 0:
+        return clock
+    cross = error_transition(state, ahead_s) @ clock.cross
+    return ClockOffset(clock.offset_s, clock.std_s, cross)
 
 
 def predicted(

@@ -2,13 +2,13 @@
 
 from bisect import insort
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 from executive_plugins.estimation.factors import (
     GAP_ACCELERATION_M_S2,
     GAP_RATE_RAD_S,
     between_factor,
-    fix_factor,
 )
 from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate
 from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
@@ -22,6 +22,7 @@ from executive_plugins.estimation.gate.measurements import (
 from executive_plugins.estimation.gate.stream_period import StreamPeriod
 from executive_plugins.estimation.graph.chain_anchor import ChainAnchor
 from executive_plugins.estimation.graph.fix_comparison import compared, predicted
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.increment_check import IncrementCheck
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
 from executive_plugins.estimation.graph.settings import SmootherSettings
@@ -51,15 +52,15 @@ class GraphSmoother:
     """
 
     def __init__(
-        self, settings: SmootherSettings, noise: InertialNoise, state: InertialState, P: Float
+        self, settings: SmootherSettings, noise: InertialNoise, first: GraphEstimate
     ) -> None:
         self._settings = settings
         self._noise = noise
         self._samples = SampleBuffer()
-        self._samples.append(state.sample)
-        self._main = GraphWindow(noise, self._samples, state, P)
+        self._samples.append(first.state.sample)
+        self._main = self._window_of(first)
         self._fallback: GraphWindow | None = None
-        self._last_good = (state, P)
+        self._last_good = first
         self._modes = Modes()
         self._gate = GnssGate(settings.gate)
         self._increments = IncrementCheck(noise, settings.increment_gate)
@@ -68,7 +69,7 @@ class GraphSmoother:
         self._anchor = ChainAnchor(settings)
         self._waiting: list[PendingMeasurement] = []
         self._refused: Counter[str] = Counter()
-        self._used_fix_s = state.stamp_s
+        self._used_fix_s = first.state.stamp_s
         self._used_fix_way_m = 0.0
         self._standing = StandstillCheck(settings)
 
@@ -97,12 +98,19 @@ class GraphSmoother:
             GAP_ACCELERATION_M_S2 * gap_s,
             GAP_RATE_RAD_S * gap_s,
         )
-        self._main = GraphWindow(self._noise, self._samples, widened.state, widened.covariance)
-        self._last_good = (widened.state, widened.covariance)
+        self._begin_again(widened.state, widened.covariance)
         self._used_fix_s = max(self._used_fix_s, after_s)  # no fix could be used during the gap
+
+    def _begin_again(self, state: InertialState, P: Float) -> None:
+        """Start new graphs at a state; the measurements in the window are lost."""
+        self._last_good = replace(self._last_good, state=state, covariance=P)
+        self._main = self._window_of(self._last_good)
         if self._fallback is not None:
             self._fallback = self._main.copy()
             self._anchor.clear()
+
+    def _window_of(self, first: GraphEstimate) -> GraphWindow:
+        return GraphWindow(self._noise, self._samples, first.state, first.covariance, first.clock)
 
     def add(self, measurement: Measurement) -> None:
         """Add a measurement, late or not; the next update that the samples have reached uses it."""
@@ -129,10 +137,10 @@ class GraphSmoother:
         except UnsolvableError:
             self._rebuild()
         # The fallback graph's own covariance does not include the error of its anchor.
-        state, P = self._last_good = self._leading.newest(), self._main.covariance
-        estimate = Estimate(
-            state, P, self._modes.current, tuple(self._modes.changes), dict(self._refused)
-        )
+        state, P, clock = self._leading.newest(), self._main.covariance, self._main.clock
+        found = self._last_good = replace(self._last_good, state=state, covariance=P, clock=clock)
+        changes = tuple(self._modes.changes)
+        estimate = Estimate(*found.reported(), self._modes.current, changes, dict(self._refused))
         self._modes.changes.clear()
         self._refused.clear()
         return estimate
@@ -155,16 +163,9 @@ class GraphSmoother:
         self._samples.forget_before(min(window.oldest_s for window in self._windows()))
 
     def _rebuild(self) -> None:
-        """Start one new graph at the last good estimate.
-
-        The measurements in the window are lost.
-        """
+        """Start new graphs at the last good estimate."""
         self._refused["smoother: rebuilt"] += 1
-        state, P = self._last_good
-        self._main = GraphWindow(self._noise, self._samples, state, P)
-        if self._fallback is not None:
-            self._fallback = self._main.copy()
-            self._anchor.clear()
+        self._begin_again(self._last_good.state, self._last_good.covariance)
 
     def _take(self, measurement: Measurement) -> None:
         if measurement.stamp_s <= self._leading.oldest_s:
@@ -246,7 +247,7 @@ class GraphSmoother:
             self._fall_back(fix.stamp_s, f"{fix.antenna} {refusal}")
 
     def _use(self, fix: Fix) -> None:
-        self._main.add(_FIX, fix.stamp_s, [fix_factor(self._main.node_at(fix.stamp_s), fix)])
+        self._main.add(_FIX, fix.stamp_s, [self._main.factor_of(fix)])
         self._used_fix_s = max(self._used_fix_s, fix.stamp_s)
         self._used_fix_way_m = self._chain.way_m
 
@@ -312,4 +313,4 @@ class GraphSmoother:
         state = leading.state_at(stamp_s)
         widened = ErrorStateFilter(state, leading.covariance, self._noise)
         widened.inflate(float(np.linalg.norm(first.residual)) + 0.1, 0.5, 0.1)
-        self._main = GraphWindow(self._noise, self._samples, state, widened.covariance)
+        self._main = self._window_of(GraphEstimate(state, widened.covariance, self._main.clock))

@@ -13,17 +13,15 @@ from multiprocessing.connection import Connection
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Measurement
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother import GraphSmoother
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.modes import ModeChange
 from executive_plugins.estimation.live.packing import is_finite, pack_into, samples_from
 from typing_extensions import Buffer
-
-from executive.arrays import Float
 
 _LEAVE_S = 1.0  # time for a child to end by itself
 _SPAWN_S = 60.0  # time for a child to import its modules, on a busy computer
@@ -37,14 +35,12 @@ class Start:
 
     Attributes:
         epoch: Number of the start; estimates carry it.
-        state: The state.
-        covariance: Of its error, shape (15, 15).
+        first: What it starts from.
         first_sample: Number of the first sample after it.
     """
 
     epoch: int
-    state: InertialState
-    covariance: Float
+    first: GraphEstimate
     first_sample: int
 
 
@@ -159,7 +155,7 @@ class _Work:
         self._batches += 1
         for item in batch:
             if isinstance(item, Start):
-                self._smoother = GraphSmoother(*self._made, item.state, item.covariance)
+                self._smoother = GraphSmoother(*self._made, item.first)
                 self._epoch, self._read = item.epoch, item.first_sample
             elif self._smoother is not None:
                 self._smoother.add(item)

@@ -5,16 +5,17 @@ import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Measurement
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother import GraphSmoother
 from executive_plugins.estimation.graph.smoother_child import Batch, SmootherChild, Start
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.modes import Mode, ModeChange
@@ -22,7 +23,6 @@ from executive_plugins.estimation.live.packing import MODES, packed, packed_esti
 from executive_plugins.estimation.live.propagator import LivePropagator
 from typing_extensions import Buffer
 
-from executive.arrays import Float
 from executive.messages.imu import ImuSample
 
 _log = logging.getLogger(__name__)
@@ -59,8 +59,8 @@ class SmootherHost(ABC):
     memory: Buffer | None = None
 
     @abstractmethod
-    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
-        """Start from a state with its covariance (15, 15), and set the propagator to it."""
+    def begin(self, propagator: LivePropagator, first: GraphEstimate) -> None:
+        """Start from an estimate, and set the propagator to it."""
 
     @abstractmethod
     def add(self, measurement: Measurement) -> None:
@@ -94,9 +94,9 @@ class InlineSmoother(SmootherHost):
         self._settings = settings
         self._noise = noise
 
-    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
-        self._smoother = GraphSmoother(self._settings, self._noise, state, covariance)
-        propagator.take(packed(state, covariance))
+    def begin(self, propagator: LivePropagator, first: GraphEstimate) -> None:
+        self._smoother = GraphSmoother(self._settings, self._noise, first)
+        propagator.take(packed(*first.reported()))
 
     def add(self, measurement: Measurement) -> None:
         self._smoother.add(measurement)
@@ -158,10 +158,10 @@ class ProcessSmoother(SmootherHost):
     def _spawned(self) -> SmootherChild:
         return SmootherChild(self._settings, self._noise, self._memory)
 
-    def begin(self, propagator: LivePropagator, state: InertialState, covariance: Float) -> None:
+    def begin(self, propagator: LivePropagator, first: GraphEstimate) -> None:
         epoch = 1 if self._begun is None else self._begun.epoch + 1
-        self._begun = Start(epoch, state, covariance, propagator.samples)
-        propagator.take(packed(state, covariance))
+        self._begun = Start(epoch, first, propagator.samples)
+        propagator.take(packed(*first.reported()))
         propagator.epoch = epoch
         self._outbox = [self._begun]
         self._send()
@@ -246,7 +246,10 @@ class ProcessSmoother(SmootherHost):
         self._send()
 
     def _last_start(self) -> list[Start]:
-        """Return the last estimate as a start; if there is none, the last start itself."""
+        """Return the last estimate as a start; if there is none, the last start itself.
+
+        What was learnt of the receiver's clock since is lost.
+        """
         if self._begun is None:
             return []
         number = int(self._block["answered"][0]) % ANSWERS
@@ -254,7 +257,9 @@ class ProcessSmoother(SmootherHost):
         if row["epoch"][0] != self._begun.epoch:
             return [self._begun]
         state, covariance = unpacked(row)
-        return [Start(self._begun.epoch, state, covariance, self._first_after(state.stamp_s))]
+        clock = replace(self._begun.first.clock, cross=np.zeros(len(covariance)))
+        first = replace(self._begun.first, state=state, covariance=covariance, clock=clock)
+        return [Start(self._begun.epoch, first, self._first_after(state.stamp_s))]
 
     def _first_after(self, stamp_s: float) -> int:
         """Return the number of the first sample that is newer than a time."""

@@ -8,14 +8,17 @@ import gtsam
 import numpy as np
 from executive_plugins.estimation.factors import (
     between_factor,
+    clock_key,
     extract,
     fix_factor,
     inertial_factor,
     insert,
     keys,
     prior,
+    shifted_fix_factor,
 )
 from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.inertial.measurement_models import antenna_residual
@@ -45,14 +48,14 @@ class Recording:
     """The input of an estimator since one start: the first state and all accepted measurements.
 
     Attributes:
-        first: The first state and its error's covariance (15, 15).
+        first: What it begins with.
         samples: Inertial samples after it.
         measurements: Measurements of any time, in order of arrival.
         estimates: The newest states of the online smoother, in order of time; they give the
             initial values.
     """
 
-    first: tuple[InertialState, Float]
+    first: GraphEstimate
     samples: list[Inertial] = field(default_factory=list)
     measurements: list[Measurement] = field(default_factory=list)
     estimates: list[InertialState] = field(default_factory=list)
@@ -66,18 +69,19 @@ class WholeGraph:
     ) -> None:
         self._settings = settings
         self._noise = noise
-        self._first, self._covariance = recording.first
+        self._first = recording.first
+        self._has_clock = not self._first.clock.is_known
+        self._late_s = self._first.clock.offset_s
+        first = self._first.state
         self._samples = SampleBuffer()
-        for sample in (self._first.sample, *recording.samples):
+        for sample in (first.sample, *recording.samples):
             self._samples.append(sample)
         end_s = self._samples.newest_s
         self._measurements = [
-            m
-            for m in recording.measurements
-            if _begin_s(m) > self._first.stamp_s and m.stamp_s <= end_s
+            m for m in recording.measurements if _begin_s(m) > first.stamp_s and m.stamp_s <= end_s
         ]
         self._stamps_s = self._node_stamps(end_s)
-        self._initial = list(self._guessed([self._first, *recording.estimates]))
+        self._initial = list(self._guessed([first, *recording.estimates]))
         self.left_out = 0
 
     def _node_stamps(self, end_s: float) -> list[float]:
@@ -90,7 +94,7 @@ class WholeGraph:
             *(m.stamp_s for m in self._measurements),
             *map(_begin_s, self._measurements),
         }
-        stamps_s = [self._first.stamp_s]
+        stamps_s = [self._first.state.stamp_s]
         for stamp_s in sorted(wanted):
             while stamp_s - stamps_s[-1] > 2 * self._settings.node_after_s:
                 stamps_s.append(stamps_s[-1] + self._settings.node_after_s)
@@ -131,6 +135,9 @@ class WholeGraph:
             return False
         state = states[self._node(measurement.stamp_s)]
         residual, _ = antenna_residual(state, measurement.arm_imu, measurement.p_map_antenna)
+        residual = residual + (self._late_s - measurement.late_s) * _speed(
+            state, measurement.arm_imu
+        )
         distance2 = float(residual @ np.linalg.solve(measurement.covariance, residual))
         return distance2 > self._settings.gate.innovation
 
@@ -140,6 +147,8 @@ class WholeGraph:
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         for node, state in enumerate(states):
             insert(values, node, state)
+        if self._has_clock:
+            values.insert(clock_key(0), np.array([self._late_s]))
         for factor in self._factors(states, measurements):
             graph.push_back(factor)
         params = gtsam.LevenbergMarquardtParams()
@@ -150,6 +159,8 @@ class WholeGraph:
         params.setRelativeErrorTol(_ENOUGH)
         values = gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()
         self._graph, self._values = graph, values
+        if self._has_clock:
+            self._late_s = float(values.atVector(clock_key(0))[0])
         return [
             extract(values, node, self._samples.at(stamp_s))
             for node, stamp_s in enumerate(self._stamps_s)
@@ -158,7 +169,9 @@ class WholeGraph:
     def _factors(
         self, states: Sequence[InertialState], measurements: Sequence[Measurement]
     ) -> Iterator[gtsam.NonlinearFactor]:
-        yield from prior(0, self._first, self._covariance)
+        given = self._first
+        clock = given.clock if self._has_clock else None
+        yield from prior(0, given.state, given.covariance, clock)
         for node in range(1, len(states)):
             samples = self._samples.between(self._stamps_s[node - 1], self._stamps_s[node])
             yield inertial_factor((node - 1, node), states[node - 1], samples, self._noise)
@@ -166,18 +179,22 @@ class WholeGraph:
         for measurement in measurements:
             node = self._node(measurement.stamp_s)
             if isinstance(measurement, Fix):
-                yield fix_factor(node, measurement)
+                yield self._fix_factor(node, measurement, states[node])
             elif isinstance(measurement, Increment):
                 first = self._node(measurement.from_s)
                 yield between_factor(first, node, measurement.T_from_to, measurement.covariance)
             elif not self._moves(states[node], measurement.arm_imu):
                 yield from standstill.factors(node, measurement, states[node])
 
+    def _fix_factor(self, node: int, fix: Fix, state: InertialState) -> gtsam.NonlinearFactor:
+        """Return a factor of a fix; a clock that is unknown is the same throughout."""
+        if not self._has_clock:
+            return fix_factor(node, fix)
+        return shifted_fix_factor(node, clock_key(0), fix, state.rate)
+
     def _moves(self, state: InertialState, arm_imu: Float) -> bool:
-        speed = state.v_map_imu + state.R_map_imu @ np.cross(state.rate, arm_imu)
-        return bool(
-            np.linalg.norm(speed) > _STANDING_SIGMAS * self._settings.standing_velocity_std_m_s
-        )
+        speed_m_s = float(np.linalg.norm(_speed(state, arm_imu)))
+        return speed_m_s > _STANDING_SIGMAS * self._settings.standing_velocity_std_m_s
 
     def covariances(self) -> Iterator[Float]:
         """Yield the covariance of each node's error, shape (15, 15).
@@ -217,6 +234,11 @@ class WholeGraph:
 
     def __len__(self) -> int:
         return len(self._stamps_s)
+
+
+def _speed(state: InertialState, arm_imu: Float) -> Float:
+    """Return the velocity of a point at `arm_imu` [m] in the map [m/s], shape (3,)."""
+    return np.asarray(state.v_map_imu + state.R_map_imu @ np.cross(state.rate, arm_imu))
 
 
 def _begin_s(measurement: Measurement) -> float:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from executive_plugins.estimation.inertial.clock_offset import CLOCK_WALK_S, ClockOffset
 from executive_plugins.estimation.inertial.exponential import linear_covariance, moved
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
@@ -19,12 +20,10 @@ from executive_plugins.estimation.inertial.usual_motion import UsualMotion
 from executive_plugins.estimation.kalman import bias_step
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.kalman.compiled_correction import considered, corrected, projected
-from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.arrays import Float
 
 _LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
-_CLOCK_WALK_S = 1e-4  # of the receiver's clock, in one second: quartzes differ by 100 ppm
 _NO_CLOCK = ClockOffset()
 
 
@@ -76,7 +75,7 @@ class ErrorStateFilter:
         if dt_s <= 0:
             return
         if self._clocks:
-            self._own[0, 0] += dt_s * _CLOCK_WALK_S**2
+            self._own[0, 0] += dt_s * CLOCK_WALK_S**2
             weight = dt_s / (dt_s + self.clock_std_s)
             self._mean_rate = self._mean_rate + weight * (sample.rate - self._mean_rate)
         since_last_s, is_gap = sample.since_last_s, sample.since_last_s > _LONG_GAP_S

@@ -5,11 +5,12 @@ from collections.abc import Mapping
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import GYRO_BIAS, Inertial, InertialState
 from executive_plugins.estimation.start.at_rest import RestInitialisation
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.rest_bias import RestBias
 from executive_plugins.estimation.start.settings import RestSettings, WindowStartSettings
 from executive_plugins.estimation.start.wide_heading import heading_std

@@ -1,26 +1,11 @@
 """What a start hands over: the first state, and what it leaves open."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-import numpy as np
-from executive_plugins.estimation.inertial.state import DIMENSION, InertialState
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
+from executive_plugins.estimation.inertial.state import InertialState
 
 from executive.arrays import Float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ClockOffset:
-    """How much the stamps of the receiver are late, as far as it is known.
-
-    Attributes:
-        offset_s: Stamp minus time of measurement [s].
-        std_s: Its standard deviation [s]; 0 if the clocks are known to agree.
-        cross: Covariance of the state's error with the offset's, shape (15,).
-    """
-
-    offset_s: float = 0.0
-    std_s: float = 0.0
-    cross: Float = field(default_factory=lambda: np.zeros(DIMENSION))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import left_jacobian, moved_far
 from executive_plugins.estimation.inertial.state import (
     ACCEL_BIAS,
@@ -14,7 +15,7 @@ from executive_plugins.estimation.inertial.state import (
     VELOCITY,
     InertialState,
 )
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.wide_heading import heading_std, with_heading_std
 
 from executive.arrays import Float

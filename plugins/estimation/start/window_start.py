@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from executive_plugins.estimation.factors import covariance_of, extract
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import (
@@ -20,7 +21,7 @@ from executive_plugins.estimation.inertial.state import (
     stepped,
 )
 from executive_plugins.estimation.start.fix_groups import grouped, longest_straight_s
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.heading_hypotheses import Hypothesis, most_likely
 from executive_plugins.estimation.start.settings import WindowStartSettings
 from executive_plugins.estimation.start.window_problem import (

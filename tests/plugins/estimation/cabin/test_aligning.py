@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.aligning import Aligning
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
@@ -13,7 +14,7 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
 )
 from executive_plugins.estimation.live.packing import unpacked
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 
 Z = np.zeros(3)
 UP = np.array([0.0, 0.0, 9.81])

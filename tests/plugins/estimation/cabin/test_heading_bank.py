@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.heading_bank import HeadingBank
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
@@ -13,7 +14,7 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     propagate,
 )
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 from scipy.stats import chi2
 
 from executive.arrays import Float

@@ -41,7 +41,7 @@ def test_a_described_machine_keeps_its_thresholds_and_an_unknown_body_gets_wider
     assert _gate(unknown) > _gate(default)
 
 
-@pytest.mark.parametrize("name", ["error_state_ekf", "gnss_imu_filter"])
+@pytest.mark.parametrize("name", ["dual_graph", "error_state_ekf", "gnss_imu_filter"])
 def test_a_clock_may_agree_unless_it_was_calibrated_or_is_described(name: str) -> None:
     plugin = registry.load("estimation", name)
     unknown = RecordedBody(("imu",), DATUM, is_described=False)

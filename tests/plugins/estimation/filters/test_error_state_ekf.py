@@ -5,9 +5,9 @@ import pytest
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
 from executive_plugins.estimation.filters.error_state_ekf import ErrorStateEkf
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, retract
-from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import exp_so3, from_rpy, log_so3

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
-from executive_plugins.estimation.start.found import ClockOffset, Found
+from executive_plugins.estimation.start.found import Found
 
 from executive.messages.gnss import GnssFix
 

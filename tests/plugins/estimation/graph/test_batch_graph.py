@@ -7,6 +7,7 @@ import pytest
 from executive_plugins.estimation.factors import fix_factor
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.batch_graph import SMOOTHED, BatchGraph, _smoothed
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.whole_graph import Recording, WholeGraph
 from executive_plugins.estimation.graph.window import GraphWindow
@@ -27,7 +28,7 @@ def recording() -> Recording:
     rng = np.random.default_rng(2)
     z = np.zeros(3)
     state = InertialState(Inertial(0.0, z, z), np.eye(3), z, z, z, z)
-    recording = Recording((state, COVARIANCE))
+    recording = Recording(GraphEstimate(state, COVARIANCE))
     for k in range(1, 201):
         t = k / 100
         force = np.array([np.cos(t), 0.3, 9.7])
@@ -43,14 +44,15 @@ def recording() -> Recording:
 
 def buffer(recording: Recording) -> SampleBuffer:
     samples = SampleBuffer()
-    for sample in (recording.first[0].sample, *recording.samples):
+    for sample in (recording.first.state.sample, *recording.samples):
         samples.append(sample)
     return samples
 
 
 def test_the_newest_state_equals_that_of_a_window_without_marginalisation(recording) -> None:
     graph = WholeGraph(recording, SmootherSettings(), NOISE)
-    window = GraphWindow(NOISE, buffer(recording), *recording.first)
+    first = recording.first
+    window = GraphWindow(NOISE, buffer(recording), first.state, first.covariance)
     for fix in recording.measurements:
         window.add("fix", fix.stamp_s, [fix_factor(window.node_at(fix.stamp_s), fix)])
     window.node_at(2.0)
@@ -93,7 +95,9 @@ def test_without_measurements_there_is_a_node_every_half_a_second_up_to_the_last
     samples = [Inertial(k / 100, z, np.array([0.0, 0.0, 9.81]), 0.01) for k in range(1, 261)]
     fixes = [Fix(s, "gnss", z, z, 1e-4 * np.eye(3)) for s in (0.3, 2.5)]
     graph = WholeGraph(
-        Recording((rest, COVARIANCE), samples, fixes), SmootherSettings(node_after_s=0.5), NOISE
+        Recording(GraphEstimate(rest, COVARIANCE), samples, fixes),
+        SmootherSettings(node_after_s=0.5),
+        NOISE,
     )
     states = graph.solve()
     assert len(graph) == len(states)
@@ -110,7 +114,8 @@ def test_measurements_half_a_millisecond_apart_share_a_node(apart_s: float, node
     rest = InertialState(Inertial(0.0, z, z), np.eye(3), z, z, z, z)
     samples = [Inertial(k / 100, z, np.array([0.0, 0.0, 9.81]), 0.01) for k in range(1, 41)]
     fixes = [Fix(s, "gnss", z, z, 1e-4 * np.eye(3)) for s in (0.3, 0.3 + apart_s)]
-    graph = WholeGraph(Recording((rest, COVARIANCE), samples, fixes), SmootherSettings(), NOISE)
+    first = GraphEstimate(rest, COVARIANCE)
+    graph = WholeGraph(Recording(first, samples, fixes), SmootherSettings(), NOISE)
     assert len(graph.solve()) == nodes
 
 

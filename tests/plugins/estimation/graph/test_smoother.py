@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix, Increment
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother import GraphSmoother
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
@@ -22,7 +23,9 @@ class AtRest:
 
     def __init__(self, **settings: object) -> None:
         state = InertialState(Inertial(0.0, Z, UP, 0.01), np.eye(3), Z, Z, Z, Z)
-        self.smoother = GraphSmoother(SmootherSettings(**settings), NOISE, state, 1e-4 * np.eye(15))
+        self.smoother = GraphSmoother(
+            SmootherSettings(**settings), NOISE, GraphEstimate(state, 1e-4 * np.eye(15))
+        )
         self.k, self.answers, self.lidar_std_m = 0, [], 1e-3
 
     @property

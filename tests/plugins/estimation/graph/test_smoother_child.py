@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph import smoother_child
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother_child import SmootherChild, Start
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -39,7 +40,7 @@ class Block:
     def start(self, first_sample: int = 0, epoch: int = 1) -> Start:
         sample = Inertial(first_sample / 100, Z, UP, 0.01)
         state = InertialState(sample, np.eye(3), Z, Z, Z, Z)
-        return Start(epoch, state, 1e-4 * np.eye(15), first_sample)
+        return Start(epoch, GraphEstimate(state, 1e-4 * np.eye(15)), first_sample)
 
     def fix(self, stamp_s: float, off_m: float = 0.0) -> Fix:
         return Fix(stamp_s, "left", Z, np.array([off_m, 0.0, 0.0]), 1e-4 * np.eye(3))

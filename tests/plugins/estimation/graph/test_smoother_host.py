@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph import smoother_process
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother_child import Start
 from executive_plugins.estimation.graph.smoother_process import ProcessSmoother
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
+from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.layout import ANSWERS, SAMPLES
 from executive_plugins.estimation.live.modes import Mode
@@ -84,7 +87,7 @@ def state_at(stamp_s: float) -> InertialState:
 
 
 def begin(host, propagator, stamp_s: float = 0.0) -> None:
-    host.begin(propagator, state_at(stamp_s), 1e-4 * np.eye(15))
+    host.begin(propagator, GraphEstimate(state_at(stamp_s), 1e-4 * np.eye(15)))
 
 
 def sampled(host, propagator, k: int):
@@ -196,7 +199,7 @@ def test_a_spare_child_goes_on_from_the_last_start_with_what_waits(host, propaga
     assert host.restarts == 1
     assert host.child is spare
     ((start, waiting),) = spare.batches
-    assert (start.epoch, start.state.stamp_s) == (1, 0.0)
+    assert (start.epoch, start.first.state.stamp_s) == (1, 0.0)
     assert waiting.stamp_s == 0.03
     assert host.spare not in (None, dead, spare)
 
@@ -212,7 +215,21 @@ def test_a_child_that_replaces_another_starts_at_the_last_estimate_and_the_sampl
     host.child.is_killed = True
     host.add(fix(5))
     start = host.child.batches[0][0]
-    assert (start.epoch, start.state.stamp_s, start.first_sample) == (1, 0.03, 3)
+    assert (start.epoch, start.first.state.stamp_s, start.first_sample) == (1, 0.03, 3)
+
+
+def test_a_child_that_replaces_another_knows_no_more_of_the_clock_than_the_start(
+    host, propagator
+) -> None:
+    clock = ClockOffset(0.02, 0.05, np.full(15, 1e-4))
+    agreeing = AgreeingClock(0.5, 0.1)
+    host.begin(propagator, GraphEstimate(state_at(0.0), 1e-4 * np.eye(15), clock, agreeing))
+    answer(host)
+    host.child.is_killed = True
+    host.add(fix(5))
+    first = host.child.batches[0][0].first
+    assert (first.clock.offset_s, first.clock.std_s, first.agreeing) == (0.02, 0.05, agreeing)
+    assert not first.clock.cross.any()
 
 
 def test_samples_that_the_ring_has_lost_are_not_asked_for(host, propagator) -> None:
@@ -231,7 +248,7 @@ def test_an_estimate_of_an_earlier_start_is_no_start(host, propagator) -> None:
     begin(host, propagator, 9.0)
     host.child.is_killed = True
     host.add(fix())
-    assert host.child.batches[0][0].state.stamp_s == 9.0
+    assert host.child.batches[0][0].first.state.stamp_s == 9.0
 
 
 def test_messages_come_with_the_estimate_that_counts_them(host, propagator) -> None:

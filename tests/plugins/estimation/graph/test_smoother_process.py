@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
 from executive_plugins.estimation.graph.settings import DualGraphSettings, SmootherSettings
 from executive_plugins.estimation.graph.smoother_child import Start
 from executive_plugins.estimation.graph.smoother_process import (
@@ -40,9 +41,8 @@ class Rest:
     def begin(self, p: np.ndarray) -> None:
         z = np.zeros(3)
         sample = Inertial(self.k / 100, z, np.array([0, 0, 9.81]), 0.01)
-        self.host.begin(
-            self.propagator, InertialState(sample, np.eye(3), p, z, z, z), 1e-4 * np.eye(15)
-        )
+        state = InertialState(sample, np.eye(3), p, z, z, z)
+        self.host.begin(self.propagator, GraphEstimate(state, 1e-4 * np.eye(15)))
 
     def feed(self, has_fixes: bool = True) -> SmootherUpdate | None:
         self.k += 1
@@ -115,7 +115,7 @@ def test_a_child_that_is_killed_is_replaced_at_the_next_measurement_by_one_that_
     assert isinstance(
         sent[0], Start
     )  # it is at work already, from the last estimate: what remains is one update
-    assert rest.k / 100 - sent[0].state.stamp_s < 0.2
+    assert rest.k / 100 - sent[0].first.state.stamp_s < 0.2
     rest.feed_until_answered()
     np.testing.assert_allclose(rest.p, np.zeros(3), atol=1e-3)
 

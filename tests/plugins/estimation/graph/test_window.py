@@ -1,5 +1,6 @@
 """The window against a general optimiser, node insertion, marginals and unsolvable equations."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import gtsam
@@ -8,6 +9,7 @@ import pytest
 from executive_plugins.estimation.factors import fix_factor, keys, prior, velocity_factor
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, propagate, retract
@@ -157,6 +159,55 @@ def test_equations_that_have_no_finite_solution_are_an_error_of_their_own(sample
         window.solve()
 
 
+def late_fixes(window, stamps_s, late_s):
+    """Return fixes that were measured before their stamps."""
+    return [
+        replace(fix, stamp_s=stamp_s)
+        for stamp_s in stamps_s
+        for fix in fixes(window, (stamp_s - late_s,))
+    ]
+
+
+def with_clock(samples, first, std_s=0.05) -> GraphWindow:
+    """Return a window whose position errs by the speed times the offset of the clock."""
+    first = replace(first, v_map_imu=np.array([3.0, 0.0, 0.0]))
+    return GraphWindow(NOISE, samples, first, COVARIANCE, ClockOffset(0.0, std_s))
+
+
+@pytest.mark.parametrize("late_s", [-0.03, 0.0, 0.03])
+def test_a_clock_is_a_state_of_the_window_and_outlasts_its_marginalisation(
+    samples, first, late_s
+) -> None:
+    whole, lagged = (with_clock(samples, first) for _ in range(2))
+    truth = with_clock(samples, first)
+    for fix in late_fixes(truth, np.arange(1, 20) / 10, late_s):
+        for window in (whole, lagged):
+            window.add("fix", fix.stamp_s, [window.factor_of(fix)])
+            window.solve()
+        lagged.forget_before(fix.stamp_s - 0.5)
+    assert len(lagged) < 8 < len(whole)
+    for window in (whole, lagged):
+        clock = window.clock
+        assert clock.std_s < 0.02
+        assert abs(clock.offset_s - late_s) < 3 * clock.std_s
+    assert lagged.clock.offset_s == pytest.approx(whole.clock.offset_s, abs=5e-4)
+    assert lagged.clock.std_s == pytest.approx(whole.clock.std_s, rel=0.05)
+    np.testing.assert_allclose(lagged.clock.cross, whole.clock.cross, rtol=0.1, atol=1e-5)
+    assert_same(whole.newest(), lagged.newest(), atol=5e-4)
+
+
+def test_a_prior_with_a_clock_gives_back_what_they_share(samples, first) -> None:
+    rng = np.random.default_rng(3)
+    root = rng.normal(0, 0.01, (16, 16))
+    P = root @ root.T
+    clock = ClockOffset(0.02, float(np.sqrt(P[-1, -1])), P[:15, -1])
+    window = GraphWindow(NOISE, samples, first, P[:15, :15], clock)
+    window.solve()
+    np.testing.assert_allclose(window.covariance, P[:15, :15], rtol=1e-4, atol=1e-8)
+    np.testing.assert_allclose(window.clock.cross, clock.cross, rtol=1e-4, atol=1e-8)
+    assert (window.clock.offset_s, window.clock.std_s) == pytest.approx((0.02, clock.std_s))
+
+
 # Biases of accelerometer and gyro, velocity, rotation, position, in GTSAM's order of a step.
 LINEAR = (0.02, 2e-3, 0.03, 6e-4, 1.5e-3)
 
@@ -172,7 +223,7 @@ def test_factors_are_linearised_again_where_a_node_is_too_far_from_their_point(
     moved, voided = [{0}, set()], []
     monkeypatch.setattr(window, "_iterate", lambda: moved.pop(0))
     monkeypatch.setattr(window, "_void", lambda factors: voided.extend(factors))
-    window._steps[0] = SimpleNamespace(vector=lambda: step)
+    window._values.steps[0] = SimpleNamespace(vector=lambda: step)
     window.solve()
     assert bool(voided) is is_far
     assert all(0 in factor.nodes for factor in voided)
@@ -182,7 +233,7 @@ def test_a_window_that_does_not_settle_is_left_after_six_rounds(
     samples, first, monkeypatch
 ) -> None:
     window, rounds = GraphWindow(NOISE, samples, first, COVARIANCE), []
-    window._steps[0] = SimpleNamespace(vector=lambda: np.ones(15))
+    window._values.steps[0] = SimpleNamespace(vector=lambda: np.ones(15))
     monkeypatch.setattr(window, "_iterate", lambda: rounds.append(1) or {0})
     monkeypatch.setattr(window, "_void", list)
     window.solve()

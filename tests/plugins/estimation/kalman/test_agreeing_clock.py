@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import linear_covariance, moved
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import POSITION, Inertial, InertialState
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.start.found import ClockOffset
 
 PRIOR_S, NOISE_S = 0.1, 0.02
 CLOCK = AgreeingClock(0.5, PRIOR_S)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
     ACCEL_BIAS,
@@ -21,7 +22,6 @@ from executive_plugins.estimation.kalman.bias_step import (
     step_covariance,
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.start.found import ClockOffset
 from scipy.stats import chi2
 
 from executive.arrays import Float

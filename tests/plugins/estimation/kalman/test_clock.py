@@ -2,11 +2,11 @@
 
 import numpy as np
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import POSITION, Inertial, InertialState
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
-from executive_plugins.estimation.start.found import ClockOffset
 from scipy.stats import chi2
 
 from executive.arrays import Float

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
@@ -15,7 +16,6 @@ from executive_plugins.estimation.inertial.state import (
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
-from executive_plugins.estimation.start.found import ClockOffset
 
 from executive.arrays import Float
 from executive.geometry.rotation import from_rpy, log_so3

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import DIMENSION, Inertial, InertialState
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.held_clock import HeldClock
-from executive_plugins.estimation.start.found import ClockOffset
 
 Z, UP = np.zeros(3), np.array([0.0, 0.0, 9.81])
 NOISE = InertialNoise(1e-3, 1e-2, 1e-6, 1e-5, 1e-2, 9.81, 1e-3)

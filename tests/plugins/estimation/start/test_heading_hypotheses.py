@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     POSITION,
@@ -9,7 +10,6 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
 )
-from executive_plugins.estimation.start.found import ClockOffset
 from executive_plugins.estimation.start.heading_hypotheses import Hypothesis, most_likely
 from executive_plugins.estimation.start.wide_heading import heading_std
 

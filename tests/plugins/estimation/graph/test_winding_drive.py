@@ -1,14 +1,16 @@
-"""The dual graph on a drive with perfect fixes, beside odometry that drifts or stands still."""
+"""The dual graph on a drive: odometry that drifts or stands still, and a receiver's own clock."""
 
 import numpy as np
 import pytest
 from executive_plugins.estimation.graph.dual_graph import DualGraph
 from executive_plugins.estimation.graph.settings import DualGraphSettings
+from scipy.stats import chi2
 
 from executive.geometry.geodesy import geodetic_from_enu
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy
 from executive.machine.rig import Rig
+from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
@@ -85,19 +87,21 @@ def _increment(k: int, drift: float, frozen_s: tuple[float, float], rng) -> Lida
     return LidarIncrement(from_s, to_s, "lidar", T, covariance)
 
 
-def _driven(drift: float, frozen_s: tuple[float, float]) -> tuple[np.ndarray, DualGraph]:
-    """Return the errors of position after the start [m], and the estimator."""
+def _driven(
+    drift: float = 0.0, frozen_s: tuple[float, float] = (0.0, 0.0), late_s: float = 0.0, **settings
+) -> tuple[list[BaseState], DualGraph]:
+    """Return the states after the start, and the estimator."""
     rng = np.random.default_rng(7)
-    estimator = DualGraph(DualGraphSettings(imu="imu"), RIG)
+    estimator = DualGraph(DualGraphSettings(imu="imu", **settings), RIG)
     estimator.start()
-    errors, h = [], 0.01
+    states, h = [], 0.01
     for k in range(1, round(100 * END_S)):
         t = k / 100
         if k % 10 == 0:
             estimator.add_odometry(_increment(k, drift, frozen_s, rng))
         if k % 25 == 0:
             for name, arm in ARMS.items():
-                T = _pose(t)
+                T = _pose(t - late_s)
                 p_map = T[:3, :3] @ arm + T[:3, 3] + rng.normal(0, FIX_STD_M, 3)
                 geodetic = geodetic_from_enu(p_map, DATUM)
                 estimator.add_gnss(GnssFix(t, name, geodetic, np.eye(3) * FIX_STD_M**2, True))
@@ -109,9 +113,18 @@ def _driven(drift: float, frozen_s: tuple[float, float]) -> tuple[np.ndarray, Du
         estimator.add_imu(ImuSample(t, "imu", rate, force))
         state = estimator.state()
         if state.is_ready:
-            errors.append(np.linalg.norm(state.T_map_cabin[:3, 3] - _pose(t)[:3, 3]))
+            states.append(state)
     estimator.close()
-    return np.array(errors), estimator
+    return states, estimator
+
+
+def _errors(states: list[BaseState]) -> np.ndarray:
+    """Return the errors of position in body axes [m], shape (N, 3)."""
+    return np.array([(inverse(s.T_map_cabin) @ _pose(s.stamp_s))[:3, 3] for s in states])
+
+
+def _errors_m(states: list[BaseState]) -> np.ndarray:
+    return np.linalg.norm(_errors(states), axis=1)
 
 
 @pytest.mark.parametrize(
@@ -122,8 +135,37 @@ def _driven(drift: float, frozen_s: tuple[float, float]) -> tuple[np.ndarray, Du
     ],
 )
 def test_wrong_odometry_is_overruled_by_perfect_fixes(drift, frozen_s) -> None:
-    errors, estimator = _driven(drift, frozen_s)
-    refused = sum(n for reason, n in estimator.refused.items() if reason.startswith(tuple(ARMS)))
-    assert len(errors) > 1500
-    assert np.percentile(errors, 95) < 3 * FIX_STD_M + 0.02
-    assert refused <= 0.01 * 2 * 4 * END_S
+    states, estimator = _driven(drift, frozen_s)
+    assert len(states) > 1500
+    assert np.percentile(_errors_m(states), 95) < 3 * FIX_STD_M + 0.02
+    assert _refused(estimator) <= 0.01 * 2 * 4 * END_S
+
+
+def _refused(estimator: DualGraph) -> int:
+    """Return the number of fixes that were refused."""
+    return sum(n for reason, n in estimator.refused.items() if reason.startswith(tuple(ARMS)))
+
+
+@pytest.mark.parametrize("late_s", [-0.05, 0.0, 0.05])
+def test_a_clock_that_nothing_synchronises_is_estimated_on_the_way(late_s) -> None:
+    """At 8 m/s, 50 ms are 0.4 m."""
+    states, estimator = _driven(late_s=late_s, clock_std_s=0.1, clock_agrees=0.5)
+    last = [state for state in states if state.stamp_s > END_S - 5.0]
+    assert {state.status for state in last} == {"GLOBAL"}
+    assert np.percentile(_errors_m(last), 95) < 3 * FIX_STD_M + 0.02
+    assert _refused(estimator) == 0
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.05])
+def test_a_state_says_what_an_unknown_clock_leaves_open(late_s) -> None:
+    states, _ = _driven(late_s=late_s, clock_std_s=0.1)
+    squares = []
+    for state, error in zip(states, _errors(states), strict=True):
+        squares.append(error @ np.linalg.solve(state.covariance[3:, 3:], error))
+    assert np.mean(np.array(squares) < chi2.ppf(0.95, 3)) > 0.9
+
+
+def test_a_clock_that_is_taken_for_known_shifts_the_state_along_the_way() -> None:
+    """The failure that the estimate of the clock prevents."""
+    states, _ = _driven(late_s=0.05)
+    assert _errors_m(states[-500:]).mean() > 0.3
