@@ -4,11 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter, IncrementInnovation
-from executive_plugins.estimation.filters.gnss_imu_filter import GLOBAL, GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
-from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
-from executive_plugins.estimation.gate.innovation_scale import InnovationScale
-from executive_plugins.estimation.gate.stream_period import StreamPeriod
+from executive_plugins.estimation.gate.increment_record import IncrementRecord
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.start.found import Found
 
@@ -17,13 +15,6 @@ from executive.errors import ConfigError
 from executive.geometry.pose import adjoint, inverse
 from executive.machine.rig import Rig
 from executive.messages.odometry import LidarIncrement
-
-
-class _IncrementRecord:
-    """What the innovations of one stream of increments have shown."""
-
-    def __init__(self) -> None:
-        self.scale, self.alarm, self.period = InnovationScale(6), InnovationAlarm(6), StreamPeriod()
 
 
 class ErrorStateEkf(GnssImuFilter):
@@ -49,7 +40,7 @@ class ErrorStateEkf(GnssImuFilter):
             )
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
-        self._records: dict[str, _IncrementRecord] = {}
+        self._records: dict[str, IncrementRecord] = {}
         self._cloning = CloningFilter(found.state, found.covariance, self._noise, found.clock)
         return self._cloning
 
@@ -72,19 +63,22 @@ class ErrorStateEkf(GnssImuFilter):
     def _refusal(self, stream: str, innovation: IncrementInnovation) -> str:
         """Correct by an increment; return why it was not used, empty if it was.
 
-        Its covariance is that which the newest innovations of its stream explain. Innovations that
-        lean to one side are no noise: then fixes and inertial samples outvote the odometry, unless
-        they contradict each other as well, or there are no fixes.
+        Fixes and inertial samples outvote odometry that leans, unless they contradict each other as
+        well, or there are no fixes.
         """
-        record = self._records.setdefault(stream, _IncrementRecord())
-        residual, predicted = innovation.residual, innovation.predicted
-        noise = record.scale.factor() * innovation.noise
-        record.period.add(self._cloning.state.stamp_s)
-        gate, period_s = self._lidar.odometry_gate, record.period.period_s
-        record.alarm.add(residual, predicted + noise, gate, period_s)
-        record.scale.add(residual, predicted, innovation.noise)
-        if record.alarm.is_raised and self._status() == GLOBAL:
-            return "contradicted by fixes and inertial samples"
+        gate, status = self._lidar.odometry_gate, self._status()
+        record = self._records.setdefault(stream, IncrementRecord(gate))
+        if status == FALLBACK:
+            record.acquit()
+        noise = record.take(
+            self._cloning.state.stamp_s,
+            innovation.residual,
+            innovation.predicted,
+            innovation.noise,
+            status == GLOBAL,
+        )
+        if noise is None:
+            return "contradicted by fixes and inertial samples" if record.is_wrong else "outlier"
         is_used = self._cloning.correct_by_increment(replace(innovation, noise=noise), gate)
         return "" if is_used else "outlier"
 
