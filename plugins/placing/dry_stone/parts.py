@@ -83,7 +83,7 @@ class Generator(Protocol):
         rng: np.random.Generator,
         may_go_on: MayGoOn,
     ) -> Iterator[Sequence[Places]]:
-        """Yield all places of one stone after the other."""
+        """Yield all places of one stone after the other, in the order of the inventory."""
 
 
 @runtime_checkable

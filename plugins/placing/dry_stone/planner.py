@@ -20,6 +20,7 @@ from executive_plugins.placing.dry_stone.parts import (
 )
 from executive_plugins.placing.dry_stone.rasters import WallTop
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
+from executive_plugins.placing.dry_stone.spread import spread
 from executive_plugins.placing.dry_stone.stability import (
     Checks,
     Equilibrium,
@@ -28,7 +29,6 @@ from executive_plugins.placing.dry_stone.stability import (
 )
 from executive_plugins.placing.dry_stone.weighted import Weighted
 
-from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.pose import pose
@@ -58,6 +58,8 @@ class _Search:
         rng: The only source of chance.
         may_go_on: Whether there is time.
         refused: Number of stones and places that were passed over, by reason.
+        found: The best places of each stone that was gone through, by its name, as many as are
+            kept when all stones are gone through again.
         checked: Stone and pose of the places that were checked.
         rested: Those at which the stone was let tilt, as it first touched.
     """
@@ -67,6 +69,7 @@ class _Search:
     rng: np.random.Generator
     may_go_on: MayGoOn
     refused: Counter[str]
+    found: dict[str, Sequence[Place]] = field(default_factory=dict)
     checked: set[tuple[str, bytes]] = field(default_factory=set)
     rested: set[tuple[str, bytes]] = field(default_factory=set)
 
@@ -176,12 +179,20 @@ class DryStone(StructurePlanner):
 
     def _ranked(self, stones: Sequence[SolidStone], kept: int, search: "_Search") -> list[Place]:
         """Return the best places of each stone, so many of one, best first."""
-        found: list[Place] = []
-        for places in self._generator.places(search.built, stones, search.rng, search.may_go_on):
-            if not any(len(one.origins_map) for one in places):
-                search.refused["no_place"] += 1
-            found += self._best(places, kept, search)
-        return self._at_rest(sorted(found, key=lambda one: -one.score), search)
+        self._find(stones, search)
+        known = [search.found[one.name] for one in stones if one.name in search.found]
+        if nowhere := sum(not places for places in known):
+            search.refused["no_place"] += nowhere
+        best = [place for places in known for place in places[:kept]]
+        return self._at_rest(sorted(best, key=lambda one: -one.score), search)
+
+    def _find(self, stones: Sequence[SolidStone], search: "_Search") -> None:
+        """Go through all places of those stones that were not gone through yet."""
+        new = [one for one in stones if one.name not in search.found]
+        found = self._generator.places(search.built, new, search.rng, search.may_go_on)
+        most = max(self._settings.generator.kept, self._settings.check.tries)
+        for stone, places in zip(new, found, strict=False):  # fewer if the time is over
+            search.found[stone.name] = self._best(places, most, search)
 
     def _at_rest(self, ranked: Sequence[Place], search: "_Search") -> list[Place]:
         """Return the best places anew, each in the tilt in which its stone comes to rest there."""
@@ -202,20 +213,19 @@ class DryStone(StructurePlanner):
 
     def _best(self, found: Sequence[Places], kept: int, search: "_Search") -> list[Place]:
         """Return the best places of one stone that are apart, best first."""
-        rows = []
-        for number, places in enumerate(found):
-            terms = self._scorer.score(places, search.built, search.usable)
-            total = np.sum([np.asarray(term) for term in terms.values()], axis=0)
-            first = np.argsort(-total, kind="stable")[: 4 * kept]
-            rows += [(float(total[n]), number, int(n), terms) for n in first]
+        terms = [self._scorer.score(places, search.built, search.usable) for places in found]
+        totals = [np.sum([np.asarray(t) for t in one.values()], axis=0) for one in terms]
+        first = [np.argsort(-total, kind="stable")[: 4 * kept] for total in totals]
+        score = np.concatenate([total[n] for total, n in zip(totals, first, strict=True)])
+        at = np.vstack([one.origins_map[n] for one, n in zip(found, first, strict=True)])
+        rows = [(number, int(n)) for number, chosen in enumerate(first) for n in chosen]
+        order = np.argsort(-score, kind="stable")
         best: list[Place] = []
-        for score, number, n, terms in sorted(rows, key=lambda row: -row[0]):
-            at = found[number].origins_map[n]
-            if all(_far(at, other.T_map_stone[:3, 3]) for other in best):
-                values = {name: float(term[n]) for name, term in terms.items()}
-                best.append(Place(found[number].stone, pose(found[number].R, at), score, values))
-            if len(best) == kept:
-                break
+        for row in order[spread(at[order], kept, _APART_M)]:
+            number, n = rows[row]
+            values = {name: float(term[n]) for name, term in terms[number].items()}
+            T = pose(found[number].R, at[row])
+            best.append(Place(found[number].stone, T, float(score[row]), values))
         return best
 
     def _target(self, place: Place, found: Stability) -> BuildTarget:
@@ -243,10 +253,6 @@ class DryStone(StructurePlanner):
 
 def _key(place: Place) -> tuple[str, bytes]:
     return place.stone.name, place.T_map_stone.tobytes()
-
-
-def _far(a: Float, b: Float) -> bool:
-    return float(np.linalg.norm(a - b)) > _APART_M
 
 
 def _check_names(inventory: Sequence[SolidStone]) -> None:

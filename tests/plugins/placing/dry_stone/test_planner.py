@@ -112,6 +112,28 @@ def test_a_stone_may_stand_above_the_top_by_half_of_its_thickness(
     assert plan.refused == ({} if fits else {"no_place": 1})
 
 
+def test_places_are_measured_once_though_stones_are_gone_through_twice(monkeypatch) -> None:
+    """No place holds, so that more places of each stone are checked, of those that are known."""
+    one, asked = planner(check={"part": "none", "tries": 9}), []
+    places = one._generator.places
+    monkeypatch.setattr(
+        one._generator,
+        "places",
+        lambda built, stones, *rest: asked.append(len(stones)) or places(built, stones, *rest),
+    )
+    checked: list[tuple[str, bytes]] = []
+
+    def refuse(place, built, rng, may_go_on):
+        checked.append((place.stone.name, place.T_map_stone.tobytes()))
+        return Stability("slides_away", place.T_map_stone, 0.0, 0.0, {})
+
+    monkeypatch.setattr(one._check, "check", refuse)
+    plan = one.propose(bare(), boxes(), rng())
+    assert plan.reason == "nothing_fits"
+    assert asked == [len(boxes()), 0]
+    assert len(set(checked)) == len(checked) == plan.refused["slides_away"] > 9
+
+
 def test_heights_follow_a_slope_of_five_degrees() -> None:
     slope = np.radians(5.0)
     ground = HeightGrid.plane(np.array([-4.0, -4.0]), np.array([4.0, 4.0]), slope)
