@@ -57,10 +57,34 @@ def largest_load(
         The share, at most 2; None if they cannot even bear their weight. A load may also hold what
         would fall by itself: ask for it in directions all around.
     """
+    return least_load(touches, centres, masses_kg, friction, direction[None])
+
+
+def least_load(
+    touches: Sequence[Touch],
+    centres: Float,
+    masses_kg: Float,
+    friction: float,
+    directions: Float,
+) -> float | None:
+    """Return the least of the largest loads of several directions, shape (D, 3).
+
+    See `largest_load`; None if the bodies cannot bear their weight.
+    """
     if not touches:
         return None
-    bodies, forces = len(masses_kg), _SIDES * len(touches)
-    A = _balance(touches, centres, friction, bodies)
+    A, least = _balance(touches, centres, friction, len(masses_kg)), _MOST
+    for direction in directions:
+        load = _borne(A, masses_kg, direction)
+        if load is None:
+            return None
+        least = min(least, load)
+    return least
+
+
+def _borne(A: coo_matrix, masses_kg: Float, direction: Float) -> float | None:
+    """Return the largest load of `largest_load` for what `_balance` has returned."""
+    bodies, forces = len(masses_kg), A.shape[1]
     # A column for the share of the load; weights in units of the mean weight keep numbers near 1.
     weights = masses_kg / masses_kg.mean()
     load = np.zeros((bodies, 6))

@@ -8,6 +8,7 @@ every test of stability.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -212,5 +213,6 @@ def _add_stone(
         body.add_geom(name=mesh, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh, mass=0.0)
 
 
-def _pieces(stone: SolidStone, count: int) -> list[Float]:
+@lru_cache(maxsize=128)  # the stones of a structure are in one world after the other
+def _pieces(stone: SolidStone, count: int) -> Sequence[Float]:
     return convex_pieces(stone.vertices, stone.triangles, count)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.physics.equilibrium import Touch, _pyramid, largest_load
+from executive_plugins.physics.equilibrium import Touch, _pyramid, largest_load, least_load
 
 from executive.arrays import Float
 
@@ -72,6 +72,17 @@ def test_a_centre_beyond_the_foot_falls_unless_the_load_holds_it(x: float) -> No
     assert largest_load(foot(0.3, 0.3), centre, np.ones(1), HIGH_FRICTION, Y) is None
     back = largest_load(foot(0.3, 0.3), centre, np.ones(1), HIGH_FRICTION, -outward)
     assert back == pytest.approx(0.61 / 0.5)
+
+
+def test_the_least_load_is_that_of_the_worst_direction() -> None:
+    touches, mass = foot(0.3, 0.3), np.ones(1)
+    centre = np.array([[0.1, 0.0, 0.5]])
+    assert least_load(touches, centre, mass, HIGH_FRICTION, np.array([-X, X, Y])) == pytest.approx(
+        largest_load(touches, centre, mass, HIGH_FRICTION, X)
+    )
+    beyond = np.array([[0.31, 0.0, 0.5]])  # one direction would hold it
+    assert least_load(touches, beyond, mass, HIGH_FRICTION, np.array([-X, X])) is None
+    assert least_load([], centre, mass, HIGH_FRICTION, np.array([X])) is None
 
 
 def test_what_touches_nothing_bears_nothing() -> None:

@@ -74,3 +74,23 @@ def test_a_stone_that_another_would_push_away_is_free_to_be_pushed() -> None:
         Checks(SETTINGS), Place(STONE, pose(t=np.array([0.3, 0.0, 0.97])), 0, {}), built
     )
     assert found.refusal
+
+
+@pytest.mark.parametrize(("x", "refusal"), [(0.5, ""), (1.55, "topples")])
+def test_a_place_that_does_not_hold_among_fixed_stones_is_not_tried_among_free_ones(
+    monkeypatch, x: float, refusal: str
+) -> None:
+    """Over the end of the course a stone topples off, whether the others hold still or not."""
+    place, tried = Place(box("next", 0.6, 0.6, 0.3), pose(t=np.array([x, 0.0, 0.6])), 0.0, {}), []
+    of = TrialsOfStructure.of
+    monkeypatch.setattr(TrialsOfStructure, "of", lambda *given: tried.append(given) or of(*given))
+    settings = CheckSettings(pieces=1, samples=1, noise=0.0, tilt_noise=0.0)
+    found = Checks(settings).check(place, first_course(), np.random.default_rng(0), lambda: True)
+    assert found.refusal == refusal
+    assert bool(tried) == (not refusal)
+
+
+def test_without_a_neighbour_nothing_is_fixed() -> None:
+    trials = TrialsOfStructure(WorldRules())
+    place = Place(box("next", 0.6, 0.6, 0.3), pose(t=np.array([5.0, 0.0, 0.2])), 0.0, {})
+    assert trials.among_fixed(first_course(), place) is None
