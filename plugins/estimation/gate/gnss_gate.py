@@ -105,11 +105,18 @@ class GnssGate:
         self._run.clear()
         self._refused_since_s = None
 
-    def is_in_line(self, compared: Compared) -> bool:
-        """Add a fix during fallback; return whether it agrees with the fixes before it."""
+    def is_in_line(self, compared: Compared, missing_after_s: float = 0.0) -> bool:
+        """Add a fix during fallback; return whether it agrees with the fixes before it.
+
+        Args:
+            compared: The fix.
+            missing_after_s: Time after which fixes are missing that come as often as these [s]:
+                the first after a longer silence begins anew.
+        """
         if self._refused_since_s is None:
             self._refused_since_s = compared.fix.stamp_s
-        if self._run and not self._agrees(compared):
+        longest_s = max(self._settings.recover_after_s, missing_after_s)
+        if self._run and not self._agrees(compared, longest_s):
             self._run = [compared]
             return False
         self._run.append(compared)
@@ -161,10 +168,9 @@ class GnssGate:
     def _since(self, stamp_s: float) -> tuple[Compared, ...]:
         return tuple(c for c in self._run if c.fix.stamp_s >= stamp_s)
 
-    def _agrees(self, compared: Compared) -> bool:
+    def _agrees(self, compared: Compared, longest_s: float) -> bool:
         last = self._run[-1]
-        waited_s = compared.fix.stamp_s - last.fix.stamp_s
-        if waited_s > self._settings.recover_after_s:
+        if compared.fix.stamp_s - last.fix.stamp_s > longest_s:
             return False
         return _norm(compared.moved_since(last)) < self._settings.jump_m + compared.slack_m
 

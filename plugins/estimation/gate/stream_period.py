@@ -5,6 +5,7 @@ from collections import deque
 from statistics import median
 
 _COUNT = 5  # intervals; one long gap among them does not change their median
+_OVERDUE = 1.5  # periods without a measurement: one did not come
 _MISSED = 2.5  # periods without a measurement: two did not come, whatever their jitter
 
 
@@ -29,6 +30,11 @@ class StreamPeriod:
         if math.isfinite(since_s):
             self._intervals.append(since_s)
             self.period_s = median(self._intervals)
+
+    @property
+    def overdue_after_s(self) -> float:
+        """Time without a measurement after which one did not come [s]; 0 if that is not known."""
+        return _OVERDUE * self.period_s
 
     @property
     def missing_after_s(self) -> float:

@@ -22,10 +22,18 @@ class SmootherSettings(Settings):
         0.5, gt=0, le=5, description="Longest time between two nodes [s]."
     )
     suspect_after_s: Seconds = Field(
-        0.6, gt=0, le=60, description="Time without a used fix until SUSPECT [s]."
+        0.6,
+        gt=0,
+        le=60,
+        description="Time without a used fix until SUSPECT [s]; 1.5 of their usual intervals if "
+        "that is longer.",
     )
     fallback_after_s: Seconds = Field(
-        1.0, gt=0, le=60, description="Time without a used fix until FALLBACK [s]."
+        1.0,
+        gt=0,
+        le=60,
+        description="Time without a used fix until FALLBACK [s]; 2.5 of their usual intervals if "
+        "that is longer.",
     )
     gate: GnssGateSettings = Field(
         default_factory=GnssGateSettings, description="Which fixes are used."

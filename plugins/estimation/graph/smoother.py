@@ -243,7 +243,7 @@ class GraphSmoother:
         if "drifted" in refusal:  # the other fixes of the window have drifted as well
             self._main.take_back(_FIX, fix.stamp_s - self._settings.gate.window_s)
         self._modes.change(fix.stamp_s, Mode.SUSPECT, f"{fix.antenna} {refusal}")
-        if fix.stamp_s - self._used_fix_s > self._settings.fallback_after_s:
+        if fix.stamp_s - self._used_fix_s > self._fallback_after_s:
             self._fall_back(fix.stamp_s, f"{fix.antenna} {refusal}")
 
     def _use(self, fix: Fix) -> None:
@@ -251,11 +251,17 @@ class GraphSmoother:
         self._used_fix_s = max(self._used_fix_s, fix.stamp_s)
         self._used_fix_way_m = self._chain.way_m
 
+    @property
+    def _fallback_after_s(self) -> float:
+        """Time without a used fix until FALLBACK: fixes that come seldom are not missing."""
+        return max(self._settings.fallback_after_s, self._fix_period.missing_after_s)
+
     def _watch_silence(self, now_s: float) -> None:
         silent_s = now_s - self._used_fix_s
-        if self._modes.current == Mode.GLOBAL and silent_s > self._settings.suspect_after_s:
+        suspect_after_s = max(self._settings.suspect_after_s, self._fix_period.overdue_after_s)
+        if self._modes.current == Mode.GLOBAL and silent_s > suspect_after_s:
             self._modes.change(now_s, Mode.SUSPECT, f"no fix for {silent_s:.1f} s")
-        if self._modes.current == Mode.SUSPECT and silent_s > self._settings.fallback_after_s:
+        if self._modes.current == Mode.SUSPECT and silent_s > self._fallback_after_s:
             self._fall_back(now_s, f"no good fix for {silent_s:.1f} s")
 
     def _fall_back(self, stamp_s: float, reason: str) -> None:
@@ -278,7 +284,7 @@ class GraphSmoother:
     def _recover(self, compared: Compared) -> None:
         fix = compared.fix
         self._refused[f"{fix.antenna}: during recovery"] += 1
-        if not self._gate.is_in_line(compared):
+        if not self._gate.is_in_line(compared, self._fix_period.missing_after_s):
             self._modes.change(
                 fix.stamp_s, Mode.FALLBACK, f"{fix.antenna} disagrees with those before it"
             )

@@ -88,7 +88,12 @@ def _increment(k: int, drift: float, frozen_s: tuple[float, float], rng) -> Lida
 
 
 def _driven(
-    drift: float = 0.0, frozen_s: tuple[float, float] = (0.0, 0.0), late_s: float = 0.0, **settings
+    drift: float = 0.0,
+    frozen_s: tuple[float, float] = (0.0, 0.0),
+    late_s: float = 0.0,
+    fix_period_s: float = 0.25,
+    silent_s: tuple[float, float] = (0.0, 0.0),
+    **settings,
 ) -> tuple[list[BaseState], DualGraph]:
     """Return the states after the start, and the estimator."""
     rng = np.random.default_rng(7)
@@ -99,7 +104,7 @@ def _driven(
         t = k / 100
         if k % 10 == 0:
             estimator.add_odometry(_increment(k, drift, frozen_s, rng))
-        if k % 25 == 0:
+        if k % round(100 * fix_period_s) == 0 and not silent_s[0] <= t < silent_s[1]:
             for name, arm in ARMS.items():
                 T = _pose(t - late_s)
                 p_map = T[:3, :3] @ arm + T[:3, 3] + rng.normal(0, FIX_STD_M, 3)
@@ -169,3 +174,22 @@ def test_a_clock_that_is_taken_for_known_shifts_the_state_along_the_way() -> Non
     """The failure that the estimate of the clock prevents."""
     states, _ = _driven(late_s=0.05)
     assert _errors_m(states[-500:]).mean() > 0.3
+
+
+def test_fixes_that_come_once_a_second_are_not_missing() -> None:
+    states, estimator = _driven(fix_period_s=1.0)
+    last = [state for state in states if state.stamp_s > 12.0]
+    assert {state.status for state in last} == {"GLOBAL"}
+    assert np.percentile(_errors_m(last), 95) < 3 * FIX_STD_M + 0.02
+    assert _refused(estimator) == 0
+
+
+def test_fixes_that_come_once_a_second_are_missed_and_used_again() -> None:
+    """Two that did not come are missing; five of both antennas that agree are used."""
+    states, _ = _driven(fix_period_s=1.0, silent_s=(14.0, 18.0))
+    status = {round(state.stamp_s, 2): state.status for state in states}
+    assert [status[t] for t in (14.0, 15.4, 16.0, 18.0)] == [
+        "GLOBAL", "SUSPECT", "FALLBACK", "RECOVERING"
+    ]  # fmt: skip
+    assert status[19.5] == "RECOVERING"
+    assert status[20.5] == "GLOBAL"
