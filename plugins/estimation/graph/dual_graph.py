@@ -76,6 +76,7 @@ class DualGraph(CabinEstimator):
         super()._restart()
         self._mode = Mode.GLOBAL
         self._late_s = 0.0  # stamps of the fixes minus times of measurement, by the start
+        self._fix_scale = 1.0  # on the variance that fixes declare, by the start
 
     @property
     def refused(self) -> Mapping[str, int]:
@@ -84,6 +85,7 @@ class DualGraph(CabinEstimator):
 
     def _start_at(self, found: Found) -> None:
         self._begun_s, self._late_s = found.state.stamp_s, found.clock.offset_s
+        self._fix_scale = found.fix_scale
         agreeing = self._agreeing_clock()
         first = GraphEstimate(found.state, found.covariance, found.clock, agreeing)
         self._host.begin(self._propagator, first)
@@ -109,7 +111,8 @@ class DualGraph(CabinEstimator):
 
     def _use_fix(self, fix: GnssFix, p_map_antenna: Float, noise: Float) -> None:
         at_s, arm_imu = fix.stamp_s - self._late_s, self._antennas_imu[fix.antenna]
-        self._hand_over(Fix(at_s, fix.antenna, arm_imu, p_map_antenna, noise, self._late_s))
+        scaled = self._fix_scale * noise
+        self._hand_over(Fix(at_s, fix.antenna, arm_imu, p_map_antenna, scaled, self._late_s))
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         if not increment.from_s < increment.to_s:

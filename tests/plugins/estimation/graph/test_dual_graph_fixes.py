@@ -4,9 +4,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.inertial.clock_offset import ClockOffset
+from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.live.modes import Mode
+from executive_plugins.estimation.start.found import Found
 
 from executive.geometry.pose import inverse
+from executive.messages.gnss import GnssFix
 
 NO_STANDING = {"is_used": False}
 
@@ -110,3 +114,19 @@ def test_a_change_of_datum_is_accepted_after_a_while_and_reported(
     )
     assert "position reset" in reasons(estimator, Mode.GLOBAL)[-1]
     assert estimator.changes[-1].stamp_s < 21.0
+
+
+def test_fixes_are_used_with_the_clock_and_the_scatter_that_the_start_has_seen(
+    begin, monkeypatch
+) -> None:
+    estimator, z = begin(), np.zeros(3)
+    state = InertialState(Inertial(1.0, z, np.array([0.0, 0.0, 9.81])), np.eye(3), z, z, z, z)
+    found = Found(state, 1e-4 * np.eye(15), True, ClockOffset(0.02, 0.01), fix_scale=6.0)
+    estimator._start_at(found)
+    estimator._is_begun, used = True, []
+    monkeypatch.setattr(estimator._host, "add", used.append)
+    fix = GnssFix(1.5, "gnss_left", np.array([47.4084, 8.5106, 440.0]), 1e-4 * np.eye(3), True)
+    estimator._use_fix(fix, z, fix.covariance_enu_m2)
+    assert (used[0].stamp_s, used[0].late_s) == (1.48, 0.02)
+    assert used[0].covariance == pytest.approx(6e-4 * np.eye(3))
+    estimator.close()
