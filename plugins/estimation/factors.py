@@ -204,7 +204,7 @@ def shifted_fix_factor(node: int, clock: int, fix: Fix, rate_imu: Float) -> gtsa
 
     Args:
         node: The node at the stamp.
-        clock: Key of a vector of one element, d and the offset by which the stamp was corrected.
+        clock: Key of a vector of one element, d plus `fix.late_s` [s].
         fix: The fix.
         rate_imu: Angular velocity ω in IMU axes [rad/s], shape (3,).
     """

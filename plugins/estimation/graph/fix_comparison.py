@@ -32,8 +32,8 @@ def compared(fix: Fix, window: GraphWindow, chain: LidarChain, noise: InertialNo
         late_m = -by_clock * (clock.offset_s - fix.late_s)
     scan = chain.before(fix.stamp_s, _SCAN_S)
     if scan is None or scan[0] <= window.oldest_s:
-        slack_m, p_antenna = 3 * float(np.sqrt(np.linalg.eigvalsh(known)[-1])), fix.p_map_antenna
-        p_antenna = p_antenna + late_m - residual
+        slack_m = 3 * float(np.sqrt(np.linalg.eigvalsh(known)[-1]))
+        p_antenna = fix.p_map_antenna + late_m - residual
         return Compared(fix, residual, S, p_antenna, np.eye(3), False, slack_m, late_m)
     T_chain_imu, R_map_chain = _reckoned(window, state, *scan)
     p_chain = transform(T_chain_imu, fix.arm_imu)
