@@ -213,6 +213,8 @@ class DryStone(StructurePlanner):
 
     def _best(self, found: Sequence[Places], kept: int, search: "_Search") -> list[Place]:
         """Return the best places of one stone that are apart, best first."""
+        if not found:
+            return []
         terms = [self._scorer.score(places, search.built, search.usable) for places in found]
         totals = [np.sum([np.asarray(t) for t in one.values()], axis=0) for one in terms]
         first = [np.argsort(-total, kind="stable")[: 4 * kept] for total in totals]
@@ -221,7 +223,7 @@ class DryStone(StructurePlanner):
         rows = [(number, int(n)) for number, chosen in enumerate(first) for n in chosen]
         order = np.argsort(-score, kind="stable")
         best: list[Place] = []
-        for row in order[spread(at[order], kept, _APART_M)]:
+        for row in order[spread(np.ascontiguousarray(at[order], np.float64), kept, _APART_M)]:
             number, n = rows[row]
             values = {name: float(term[n]) for name, term in terms[number].items()}
             T = pose(found[number].R, at[row])

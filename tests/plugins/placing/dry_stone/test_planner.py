@@ -7,7 +7,7 @@ import pytest
 from executive_plugins.physics.equilibrium import Touch, largest_load
 from executive_plugins.physics.trial import apart
 from executive_plugins.placing.dry_stone.drops import HEIGHT, OUTSIDE, SHARE, DropRules, drops
-from executive_plugins.placing.dry_stone.parts import Stability, part_of
+from executive_plugins.placing.dry_stone.parts import Places, Stability, part_of
 from executive_plugins.placing.dry_stone.planner import DryStone
 from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings, ScorerSettings
@@ -132,6 +132,17 @@ def test_places_are_measured_once_though_stones_are_gone_through_twice(monkeypat
     assert plan.reason == "nothing_fits"
     assert asked == [len(boxes()), 0]
     assert len(set(checked)) == len(checked) == plan.refused["slides_away"] > 9
+
+
+@pytest.mark.parametrize("is_empty", [True, False])
+def test_a_generator_of_others_may_yield_nothing_or_single_precision(monkeypatch, is_empty) -> None:
+    one = planner()
+    T = np.array([[0.0, 0.0, 0.4]], dtype=np.float32)
+    yielded = [] if is_empty else [Places(boxes()[0], np.eye(3), T, {})]
+    monkeypatch.setattr(one._generator, "places", lambda *given: iter([yielded]))
+    one._scorer = WestFirst()
+    plan = one.propose(bare(), boxes()[:1], rng())
+    assert plan.reason == ("nothing_fits" if is_empty else None)
 
 
 def test_heights_follow_a_slope_of_five_degrees() -> None:
