@@ -121,7 +121,10 @@ def _report(
         "cut": asdict(material.log.cut) if material.log.cut else None,
         "skipped": {topic: asdict(skipped) for topic, skipped in material.log.skipped.items()},
         "refused": replay.refused,
-        "states": [{"time_s": round(at_s, 3), "status": status} for at_s, status in replay.changes],
+        "states": [
+            {"time_s": round(at_s, 3), "status": status, "reason": reason}
+            for at_s, status, reason in replay.changes
+        ],
         "latency_us": statistics(np.array(replay.latency_us), 1),
         "consistency_m": statistics(consistency(track)),
         "prediction_m": spread(errors.predicted_m[used]),

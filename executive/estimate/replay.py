@@ -13,6 +13,7 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
+from executive.messages.status_change import reason_of
 
 
 @dataclass(slots=True)
@@ -25,7 +26,7 @@ class Replay:
         fixes: All fixes with a fixed RTK solution, also dropped ones; they are the reference.
         latency_us: Time from the arrival of each of those samples to the state [µs].
         counts: Observations fed by kind, and dropped ones.
-        changes: Time [s] and new status at each change.
+        changes: Time [s], new status and reason at each change.
         wall_s: Duration of the replay [s].
         refused: Number of samples that the estimator refused, by stream and reason.
     """
@@ -34,7 +35,7 @@ class Replay:
     fixes: list[GnssFix] = field(default_factory=list)
     latency_us: list[float] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
-    changes: list[tuple[float, str]] = field(default_factory=list)
+    changes: list[tuple[float, str, str]] = field(default_factory=list)
     wall_s: float = 0.0
     refused: dict[str, int] = field(default_factory=dict)
 
@@ -84,7 +85,8 @@ class Replayer:
         state = self._estimator.state()
         took_us = 1e6 * (wall_s() - started_s)
         if not replay.changes or replay.changes[-1][1] != state.status:
-            replay.changes.append((sample.stamp_s, state.status))
+            reason = reason_of(self._estimator.account(), state.status)
+            replay.changes.append((sample.stamp_s, state.status, reason))
         if state.is_located and (not replay.states or state.stamp_s > replay.states[-1].stamp_s):
             replay.states.append(state)
             replay.latency_us.append(took_us)

@@ -1,5 +1,6 @@
 """A change of an estimator's status."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -18,3 +19,8 @@ class StatusChange:
     before: str
     after: str
     reason: str
+
+
+def reason_of(account: Sequence[StatusChange], status: str) -> str:
+    """Return why a status is the present one, by the newest change; empty if that does not say."""
+    return account[-1].reason if account and account[-1].after == status else ""

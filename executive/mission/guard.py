@@ -153,7 +153,8 @@ class Guard(StreamGuard):
             return ""
         state, rule = self._streams.state(), self._watch.rules.get(ESTIMATE)
         if isinstance(rule, EstimateRule):
-            return estimate_trouble(state, at_s, self.age_limit_s, rule)
+            why = self._streams.status_reason(state.status)
+            return estimate_trouble(state, at_s, self.age_limit_s, rule, why)
         return stale(state, at_s, self.age_limit_s) if state.is_ready else ""
 
     def _state_is_ready(self) -> bool:

@@ -20,7 +20,7 @@ from executive.messages.joints import JointSample
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
 from executive.messages.observation import Observation
-from executive.messages.status_change import StatusChange
+from executive.messages.status_change import StatusChange, reason_of
 from executive.messages.verdict import Verdict
 from executive.mission.assembly import each_plugin
 from executive.mission.jobs.jobs import Jobs
@@ -143,6 +143,10 @@ class Streams:
         state: BaseState = asked(self._estimator.state)
         return state
 
+    def status_reason(self, status: str) -> str:
+        """Return why the estimator has a status, by the newest entry of its account."""
+        return reason_of(self._estimator.account(), status)
+
     def recent_states(self) -> Sequence[BaseState]:
         """Return the states of the last second, in order of their stamps."""
         return [state for _, state, _ in self._history]
@@ -172,8 +176,8 @@ class Streams:
 
     def _hand_on_status(self) -> None:
         """Hand on each change of the estimator's status once, with its reason if there is one."""
-        account = self._estimator.account()
         state: BaseState = self._asked(self._estimator.state)
+        account = self._estimator.account()
         for change in account[self._told :]:
             self._listener.take_status(change)
             self._status = change.after

@@ -12,7 +12,9 @@ def stale(state: BaseState, now_s: float, limit_s: float) -> str:
     return f"the estimate is {age_s:.2f} s old" if age_s > limit_s + 1e-6 else ""
 
 
-def estimate_trouble(state: BaseState, now_s: float, limit_s: float, rule: EstimateRule) -> str:
+def estimate_trouble(
+    state: BaseState, now_s: float, limit_s: float, rule: EstimateRule, why: str = ""
+) -> str:
     """Return why the estimate may not be used; empty if it may.
 
     Args:
@@ -20,9 +22,10 @@ def estimate_trouble(state: BaseState, now_s: float, limit_s: float, rule: Estim
         now_s: The machine's time [s].
         limit_s: Largest age of a state [s].
         rule: Allowed statuses and standard deviations.
+        why: Why the estimator gave it its status; empty if it does not say.
     """
     if state.status not in rule.status:
-        return f"the estimate is {state.status}"
+        return f"the estimate is {state.status}" + (f": {why}" if why else "")
     old = stale(state, now_s, limit_s)
     if old:
         return old

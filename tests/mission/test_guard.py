@@ -47,6 +47,9 @@ class Streams:
     def state(self):
         return self.newest
 
+    def status_reason(self, status):
+        return f"why it is {status}"
+
     def recent_states(self):
         return (self.newest,)
 
@@ -111,6 +114,7 @@ def test_scans_are_fused_while_the_estimate_may_be_used_and_its_end_is_told_once
     guard = watched.guard
     assert [guard.may_fuse(0.0) for _ in range(3)] == [False] * 3
     assert [type(one) for one in watched.events] == [ScansNotFused]
+    assert watched.events[0].reason == "the estimate is LOST: why it is LOST"
     assert (guard.scans_not_fused, guard.stale_states, guard.refused) == (3, 0, {})
     watched.streams.newest = state(0.0)
     assert guard.may_fuse(0.0)

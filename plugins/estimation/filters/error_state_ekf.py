@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter, IncrementInnovation
-from executive_plugins.estimation.filters.gnss_imu_filter import FALLBACK, GLOBAL, GnssImuFilter
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
+from executive_plugins.estimation.filters.status_account import FALLBACK, GLOBAL
 from executive_plugins.estimation.gate.increment_record import IncrementRecord
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.start.found import Found

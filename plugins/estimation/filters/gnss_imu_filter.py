@@ -6,6 +6,12 @@ import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.filters.settings import GnssImuSettings
+from executive_plugins.estimation.filters.status_account import (
+    FALLBACK,
+    GLOBAL,
+    SUSPECT,
+    StatusAccount,
+)
 from executive_plugins.estimation.gate.calm_scale import CalmScale
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
 from executive_plugins.estimation.gate.growing_refusals import GrowingRefusals
@@ -29,11 +35,11 @@ from executive_plugins.estimation.start.window_start import WindowStart
 from executive.arrays import Float
 from executive.interfaces.recorded_log import RecordedBody
 from executive.machine.rig import Rig
+from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.odometry import LidarIncrement
 
-GLOBAL, SUSPECT, FALLBACK = "GLOBAL", "SUSPECT", "FALLBACK"
 _TRUSTED = 3  # fixes in a row within the gate that end a doubt about the state
 _STEP_AGO_S = 1.0  # by which a step of the biases may have begun to show
 _DOUBT_S = 2.0  # time after a motion of the chassis during which standstill is ignored
@@ -56,6 +62,10 @@ class GnssImuFilter(CabinEstimator):
     def __init__(self, settings: GnssImuSettings, machine: Rig) -> None:
         super().__init__(settings, machine)
         self._settings = settings
+
+    def start(self) -> None:
+        super().start()
+        self._account = StatusAccount(self._status_changes)
 
     @classmethod
     def settings_for(cls, body: RecordedBody) -> Mapping[str, object]:
@@ -155,6 +165,10 @@ class GnssImuFilter(CabinEstimator):
                 self._settings.window_start.of_doubt(), self._noise, self._settings.clock_std_s
             )
             self._doubted_s = kalman.state.stamp_s
+            off_m = float(np.linalg.norm(residual))
+            self._account.doubt(
+                f"a fix of {antenna} was refused, {off_m:.2f} m from its prediction"
+            )
 
     def _judged(
         self,
@@ -182,6 +196,11 @@ class GnssImuFilter(CabinEstimator):
             bias.add(residual, S, period_s)
         if not is_near or alarm.is_raised or bias.is_biased:
             self._clock.hold(kalman, max(_STEP_AGO_S, WINDOW * usual_s))
+            if is_near:
+                how = "farther from" if alarm.is_raised else "farther to one side of"
+                self._account.doubt(
+                    f"fixes of {antenna} lie {how} the prediction than their covariance explains"
+                )
         else:
             self._clock.follow(kalman)
         if not is_near or bias.lean is None:
@@ -231,6 +250,7 @@ class GnssImuFilter(CabinEstimator):
         if found is not None and found.has_heading and self._explains(found):
             self._start_at(found)
             self._begin_trust()
+            self._account.begin_anew()
             self._moving_s = sample.stamp_s  # a wide state would accept any standstill
 
     def _explains(self, found: Found) -> bool:
@@ -258,6 +278,11 @@ class GnssImuFilter(CabinEstimator):
             # Differentiated encoder readings are accurate at rest only.
             residual, H = rate_residual(kalman.state, self._T_imu_cabin[:3, :3] @ rate_cabin)
             kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
+
+    def state(self) -> BaseState:
+        state = super().state()
+        self._account.take(state.status, state.stamp_s, state.stamp_s - self._used_fix_s)
+        return state
 
     def _status(self) -> str:
         if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s:

@@ -6,13 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.estimator import INITIALISING
-from executive_plugins.estimation.filters.gnss_imu_filter import (
-    FALLBACK,
-    GLOBAL,
-    SUSPECT,
-    GnssImuFilter,
-)
+from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
 from executive_plugins.estimation.filters.settings import GnssImuSettings
+from executive_plugins.estimation.filters.status_account import FALLBACK, GLOBAL, SUSPECT
 
 from executive.errors import ConfigError
 from executive.geometry.pose import inverse, pose
