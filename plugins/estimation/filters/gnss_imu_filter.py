@@ -85,6 +85,7 @@ class GnssImuFilter(CabinEstimator):
         self._missing_after_s = self._settings.fallback_after_s
         self._doubt: WindowStart | None = None
         self._doubted_s, self._used_in_row = np.inf, 0
+        self._suspected_s = -np.inf  # when something last spoke against the state
         self._moving_s = -np.inf
         self._clock = HeldClock(self._settings.reacquire_after_s)
         self._frozen = FrozenSamples()
@@ -165,10 +166,17 @@ class GnssImuFilter(CabinEstimator):
                 self._settings.window_start.of_doubt(), self._noise, self._settings.clock_std_s
             )
             self._doubted_s = kalman.state.stamp_s
-            off_m = float(np.linalg.norm(residual))
-            self._account.doubt(
-                f"a fix of {antenna} was refused, {off_m:.2f} m from its prediction"
-            )
+            return
+        # One fix in 15,000 is beyond the gate by chance, every few minutes of a mission: it is
+        # refused, and speaks against the state only with a second one.
+        off_m = float(np.linalg.norm(residual))
+        words = f"two fixes were refused, that of {antenna} by {off_m:.2f} m"
+        self._suspect(kalman.state.stamp_s, words)
+
+    def _suspect(self, stamp_s: float, cause: str) -> None:
+        """Take what speaks against the state at a time [s]."""
+        self._suspected_s = stamp_s
+        self._account.doubt(cause)
 
     def _judged(
         self,
@@ -194,13 +202,12 @@ class GnssImuFilter(CabinEstimator):
         is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
         if is_near:
             bias.add(residual, S, period_s)
+        if alarm.is_raised or bias.is_biased:
+            how = "farther from" if alarm.is_raised else "farther to one side of"
+            words = f"fixes of {antenna} lie {how} the prediction than their covariance explains"
+            self._suspect(kalman.state.stamp_s, words)
         if not is_near or alarm.is_raised or bias.is_biased:
             self._clock.hold(kalman, max(_STEP_AGO_S, WINDOW * usual_s))
-            if is_near:
-                how = "farther from" if alarm.is_raised else "farther to one side of"
-                self._account.doubt(
-                    f"fixes of {antenna} lie {how} the prediction than their covariance explains"
-                )
         else:
             self._clock.follow(kalman)
         if not is_near or bias.lean is None:
@@ -287,6 +294,5 @@ class GnssImuFilter(CabinEstimator):
     def _status(self) -> str:
         if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s:
             return FALLBACK
-        trusted_s = self._clock.doubted_s + self._settings.reacquire_after_s
-        is_doubted = self._propagator.stamp_s < trusted_s
-        return SUSPECT if is_doubted or self._doubt is not None else GLOBAL
+        trusted_s = self._suspected_s + self._settings.reacquire_after_s
+        return SUSPECT if self._propagator.stamp_s < trusted_s else GLOBAL

@@ -21,13 +21,13 @@ class HeldClock:
         Args:
             held_s: How long the clock is held after the last doubt [s].
         """
-        self._held_s, self.doubted_s = held_s, -float("inf")
+        self._held_s, self._doubted_s = held_s, -float("inf")
         self._clocks: deque[tuple[float, float]] = deque()  # times with the clock, both [s]
 
     def follow(self, kalman: ErrorStateFilter) -> None:
         """Let the clock be estimated if the last doubt is long ago, and remember it."""
         now_s = kalman.state.stamp_s
-        doubted_s = max(self.doubted_s, kalman.gap_s)
+        doubted_s = max(self._doubted_s, kalman.gap_s)
         kalman.holds_clock = now_s - doubted_s < self._held_s
         if kalman.holds_clock:
             return
@@ -46,4 +46,4 @@ class HeldClock:
         if not kalman.holds_clock and self._clocks:
             before = [clock_s for at_s, clock_s in self._clocks if at_s <= now_s - since_s]
             kalman.restore_clock(before[-1] if before else self._clocks[0][1])
-        kalman.holds_clock, self.doubted_s = True, now_s
+        kalman.holds_clock, self._doubted_s = True, now_s

@@ -68,4 +68,3 @@ def test_after_a_gap_in_the_samples_it_is_held_as_well(kalman) -> None:
     assert kalman.holds_clock
     clock.follow(at(kalman, 11.5, 0.0))
     assert not kalman.holds_clock
-    assert clock.doubted_s == -np.inf  # a gap is bridged: nothing contradicts the state
