@@ -37,7 +37,7 @@ class Beacon:
         self._numbers = memoryview(self._page)[:_TEXTS_AT].cast("d")
         self._computed: dict[int, tuple[float, str]] = {}  # until when, and what
         self._entered: list[bytes] = [_block("")]  # what the loop is in, the innermost last
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # an alarm may ring while its thread holds it
         self._set("ended", _NEVER_ENDED)
 
     # --- what the executive writes
@@ -74,6 +74,13 @@ class Beacon:
         with self._lock:
             self._computed[key] = time.monotonic() + limit_s, json.dumps(activity)
             self._note_the_first()
+
+    def extend(self, key: int, limit_s: float) -> None:
+        """Note that a computation may take longer: `limit_s` from now on [s]."""
+        with self._lock:
+            if key in self._computed:
+                self._computed[key] = time.monotonic() + limit_s, self._computed[key][1]
+                self._note_the_first()
 
     def end(self, key: int) -> None:
         """Note that a computation has ended; one that has ended already is no mistake."""

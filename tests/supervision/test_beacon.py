@@ -115,6 +115,16 @@ def test_a_verb_is_overdue_from_its_limit_to_its_end(now):
     assert (page.is_computing(), page.overdue_s(), page.activity()) == (False, 0.0, {})
 
 
+def test_a_verb_that_gets_more_time_is_overdue_after_it(now):
+    page = Beacon()
+    page.begin(1, {"verb": "propose"}, 2.0)
+    now.s += 1.9
+    page.extend(1, 3.0)
+    page.extend(2, 0.1)  # one that has ended already
+    now.s += 3.5
+    assert (page.overdue_s(), page.activity()) == (pytest.approx(0.5), {"verb": "propose"})
+
+
 def test_of_verbs_in_several_threads_the_one_that_has_to_end_first_is_watched(now):
     """The end of a short verb does not hide that a long one hangs."""
     page = Beacon()

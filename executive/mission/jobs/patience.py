@@ -26,6 +26,7 @@ class Patience:
         limit_s: The limit of the verb [s].
         spent_s: Returns the processor time of what computes the call [s]; none on the wall clock.
         ready_s: Returns for how long that was ready to compute and waited for a core [s].
+        granted: Takes for how much longer the call is awaited, each time that it is [s].
     """
 
     def __init__(
@@ -33,9 +34,10 @@ class Patience:
         limit_s: float,
         spent_s: Callable[[], float] | None = None,
         ready_s: Callable[[], float] = float,
+        granted: Callable[[float], None] = lambda more_s: None,
     ) -> None:
         self.limit_s = limit_s
-        self._spent_s, self._ready_s = spent_s, ready_s
+        self._spent_s, self._ready_s, self._granted = spent_s, ready_s, granted
         self._ready_before_s = ready_s() if spent_s else 0.0
         self._begun_at_s = self._spent_before_s = spent_s() if spent_s else 0.0
         self._looked_s, self._wait_s = wall_s(), limit_s
@@ -58,6 +60,7 @@ class Patience:
         if self._is_idle or left_s <= 0.0:
             return 0.0
         self._wait_s = max(left_s, _LEAST_SHARE * self.limit_s)
+        self._granted(self._wait_s)
         return self._wait_s
 
     def told(self) -> str:

@@ -17,6 +17,8 @@ from executive.mission.jobs.processor_time import ready_s
 from executive.mission.jobs.stack import frames_of, place_among
 from executive.supervision.beacon import beacon
 
+_LATE_SHARE = 0.1  # of a limit that counts computing, by which a look at the call may come late
+
 
 @dataclass(frozen=True, slots=True)
 class Task:
@@ -50,13 +52,25 @@ class Task:
     def patience(
         self, spent_s: Callable[[], float], ready_s: Callable[[], float] = ready_s
     ) -> Patience:
-        """Return how long to wait, from now on.
+        """Return how long to wait, from now on; what the supervisor waits goes with it.
 
         Args:
             spent_s: Tells the processor time so far of what computes it [s].
             ready_s: Tells how long that has waited for a core [s]; the main thread by default.
         """
-        return Patience(self.limit_s, spent_s if self.counts_computing else None, ready_s)
+        counted_s = spent_s if self.counts_computing else None
+        return Patience(self.limit_s, counted_s, ready_s, self._granted)
+
+    def _granted(self, more_s: float) -> None:
+        beacon().extend(id(self), self.watched_s(more_s))
+
+    def watched_s(self, limit_s: float) -> float:
+        """Return for how long the supervisor waits if the call is awaited for `limit_s` [s].
+
+        In lock-step the computer may be busy, and a library that computes for a second then takes
+        ten to return to Python, where the call would get more time, or be ended.
+        """
+        return limit_s * (1.0 + _LATE_SHARE) if self.counts_computing else limit_s
 
     def overdue(self, reason: str, place: str, trace: str) -> VerbOverdueError:
         """Return the error of a call that took longer than its limit, why, and where it was."""
@@ -66,7 +80,8 @@ class Task:
 @contextmanager
 def noted(task: Task) -> Iterator[None]:
     """Tell the supervisor what this process computes, in case it does not survive it."""
-    beacon().begin(id(task), activity_of(task.address, task.plugin), task.limit_s)
+    activity = activity_of(task.address, task.plugin)
+    beacon().begin(id(task), activity, task.watched_s(task.limit_s))
     try:
         yield
     finally:

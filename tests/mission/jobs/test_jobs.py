@@ -18,10 +18,11 @@ from executive.mission.jobs.call import Address, VerbCall, VerbOverdueError
 from executive.mission.jobs.jobs import Jobs
 from executive.mission.jobs.limits import DEFAULT
 from executive.mission.jobs.process_runner import ProcessRunner
-from executive.mission.jobs.runner import InlineRunner, Task
+from executive.mission.jobs.runner import InlineRunner, Task, noted
 from executive.mission.jobs.thread_runner import ThreadRunner
 from executive.mission.jobs.worker import Worker
 from executive.registry import load, settings_of
+from executive.supervision.beacon import beacon
 from executive.tree.selection import Selection
 
 
@@ -276,3 +277,19 @@ def test_a_job_that_waits_is_taken_out_and_one_that_is_computed_is_given_up():
     computed.cancel()
     assert runner.abandoned == [("square", runner.futures[1])]
     jobs.close()
+
+
+def test_in_lock_step_the_supervisor_waits_for_as_long_as_the_call_is_awaited() -> None:
+    """On a busy computer a call that computes for its limit takes many times that on the wall."""
+    address = Address("motion", "calculator", "square", "")
+    task = Task(address, Calculator(), VerbCall("square", (7,), {}), 0.05, counts_computing=True)
+    spent = iter([0.0, 0.02, 0.06])  # at the begin, and at two looks
+    waited = task.patience(lambda: next(spent), float)
+    with noted(task):
+        time.sleep(0.1)
+        assert beacon().overdue_s() > 0.0
+        assert waited.more_s() > 0.0
+        assert beacon().overdue_s() == 0.0
+        time.sleep(0.1)
+        assert waited.more_s() == 0.0
+        assert beacon().overdue_s() > 0.0

@@ -49,6 +49,16 @@ def test_a_call_on_a_busy_computer_is_awaited_until_it_has_computed_for_its_limi
     assert looks < 40
 
 
+def test_it_tells_each_time_for_how_much_longer_a_call_is_awaited(computer: Computer) -> None:
+    granted: list[float] = []
+    waited = Patience(30.0, lambda: computer.spent_s, granted=granted.append)
+    computer.compute(30.0, 0.2)
+    assert waited.more_s() == 24.0
+    computer.compute(24.0, 1.0)
+    assert waited.more_s() == 0.0
+    assert granted == [24.0]
+
+
 def test_a_call_that_does_not_compute_is_overdue_at_once(computer: Computer) -> None:
     waited = Patience(30.0, lambda: computer.spent_s)
     computer.compute(30.0, 0.01)  # it sleeps, and wakes now and then
