@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from executive.arrays import Float, Int, read_only
 
 _MOST_CELLS = 2_000_000  # 16 MB: wider sets get coarser cells
 _PER_POINT = 64  # cells for each point, so that few points make no large grid
 _COARSER = 1.25  # factor of the edge until there are not too many cells
+_FEW = 16  # points of a column that are looked at in less time than it takes to find its cells
 
 
 class Cells(NamedTuple):
@@ -22,7 +24,8 @@ class Cells(NamedTuple):
     Attributes:
         points: [m], shape (N, 3).
         rows: Which of the given points each is, shape (N,).
-        firsts: Where each cell begins among them, and at last their number, shape (C + 1,).
+        firsts: Where each cell begins among them, and at last their number, shape (C + 1,), in half
+            the memory of other numbers of rows.
         low: Lower corner of the grid [m], shape (3,).
         spans: Number of cells along each axis.
         cell_m: Edge of a cell [m].
@@ -30,7 +33,7 @@ class Cells(NamedTuple):
 
     points: Float
     rows: Int
-    firsts: Int
+    firsts: NDArray[np.int32]
     low: Float
     spans: tuple[int, int, int]
     cell_m: float
@@ -51,10 +54,12 @@ class PointGrid:
         if len(even):
             low, spans = _bounds(even)
         most = max(min(_MOST_CELLS, _PER_POINT * len(even)), 1)
-        while float(np.prod(np.floor(spans / cell_m) + 1)) > most:
-            cell_m *= _COARSER
-        nx, ny, nz = (int(span / cell_m) + 1 for span in spans)
-        counts, edge_m = (nx, ny, nz), float(cell_m)
+        edge_m, (wide, deep, high) = float(cell_m), spans.tolist()
+        while True:
+            counts = (int(wide / edge_m) + 1, int(deep / edge_m) + 1, int(high / edge_m) + 1)
+            if counts[0] * counts[1] * counts[2] <= most:
+                break
+            edge_m *= _COARSER
         sorted_points, rows, firsts = _sorted(even, low, counts, edge_m)
         self._cells = Cells(sorted_points, rows, firsts, low, counts, edge_m)
 
@@ -99,9 +104,9 @@ def _bounds(points: Float) -> tuple[Float, Float]:
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _sorted(
     points: Float, low: Float, spans: tuple[int, int, int], cell_m: float
-) -> tuple[Float, Int, Int]:
+) -> tuple[Float, Int, NDArray[np.int32]]:
     """Return the first three of `Cells`."""
-    ends = np.zeros(spans[0] * spans[1] * spans[2] + 1, dtype=np.int64)
+    ends = np.zeros(spans[0] * spans[1] * spans[2] + 1, dtype=np.int32)
     cells = np.empty(len(points), dtype=np.int64)
     for n in range(len(points)):
         cell = 0
@@ -150,13 +155,14 @@ def _nearest(  # one function, since a call for each column takes three times as
                     left = worst - dx * dx - dy * dy
                     if b < 0 or b >= ny or left <= 0.0:
                         continue
-                    half = np.sqrt(left)
-                    first = int(max(np.floor((z - half) / cell_m), 0.0))
-                    last = int(min(np.floor((z + half) / cell_m), nz - 1.0))
-                    if first > last:
-                        continue
                     column = (a * ny + b) * nz
-                    for k in range(firsts[column + first], firsts[column + last + 1]):
+                    first, last = firsts[column], firsts[column + nz]
+                    if last - first > _FEW:
+                        half = np.sqrt(left)
+                        under = int(min(max(np.floor((z - half) / cell_m), 0.0), nz))
+                        above = int(max(min(np.floor((z + half) / cell_m) + 1.0, nz), 0.0))
+                        first, last = firsts[column + under], firsts[column + above]
+                    for k in range(first, last):
                         u = points[k, 0] - queries[n, 0]
                         v = points[k, 1] - queries[n, 1]
                         w = points[k, 2] - queries[n, 2]

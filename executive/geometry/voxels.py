@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from executive.arrays import Float, Int, read_only
-from executive.geometry.radix_sort import radix_order
+from executive.geometry.radix_sort import radix_sorted
 
 
 def voxel_means(points: Float, size_m: float, corner: Float | None = None) -> Float:
@@ -32,13 +32,12 @@ def compile_voxel_means() -> None:
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _means(points: Float, size_m: float, corner: Float) -> Float:  # pragma: no cover - compiled
-    keys = _keys(points, size_m, corner)
-    order = radix_order(keys)
+    keys, order = radix_sorted(_keys(points, size_m, corner))
     means, found, n = np.empty((len(points), 3)), 0, 0
-    while n < len(order):
-        key, first = keys[order[n]], n
+    while n < len(keys):
+        key, first = keys[n], n
         x, y, z = 0.0, 0.0, 0.0
-        while n < len(order) and keys[order[n]] == key:
+        while n < len(keys) and keys[n] == key:
             row = order[n]
             x, y, z, n = x + points[row, 0], y + points[row, 1], z + points[row, 2], n + 1
         count = n - first

@@ -1,8 +1,9 @@
 """The voxel grid: what it keeps, and on what it depends."""
 
 import numpy as np
+import pytest
 
-from executive.geometry.radix_sort import radix_order
+from executive.geometry.radix_sort import radix_order, radix_sorted
 from executive.geometry.voxels import first_in_cells, voxel_means
 
 
@@ -67,8 +68,11 @@ def test_the_means_are_those_of_sorting_all_cells() -> None:
     np.testing.assert_array_equal(voxel_means(points, 0.5), expected)
 
 
-def test_keys_of_many_digits_are_sorted_and_equal_ones_keep_their_order() -> None:
-    keys = np.random.default_rng(4).integers(0, 1 << 40, 500)
+@pytest.mark.parametrize("bits", [3, 40, 52, 53, 54, 62])
+def test_keys_of_many_digits_are_sorted_and_equal_ones_keep_their_order(bits: int) -> None:
+    """With 500 rows, keys of 53 bits leave room for their rows, and longer ones do not."""
+    keys = np.random.default_rng(4).integers(0, 1 << bits, 500)
     keys[100:200] = keys[:100]
     np.testing.assert_array_equal(radix_order(keys), np.argsort(keys, kind="stable"))
+    np.testing.assert_array_equal(radix_sorted(keys)[0], np.sort(keys))
     assert len(radix_order(keys[:0])) == 0
