@@ -8,7 +8,7 @@ from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.convex_splitting import ConvexSplitter
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
-from executive_plugins.segmentation.ground_surface import GroundSurface, SurfaceFit
+from executive_plugins.segmentation.ground_surface import GroundSurface, LevelSample, SurfaceFit
 from executive_plugins.segmentation.hollow_splitting import HollowSplitter
 from executive_plugins.segmentation.limits import Limits, limits_for
 from executive_plugins.segmentation.part_kind import Fault, PartJudge, left_out
@@ -104,7 +104,8 @@ class GroundAndClusters(Segmenter):
         centre = sample.mean(axis=0)  # far from the origin, as in UTM, products would lose digits
         sample = sample - centre
         plane = fit_ground_plane(sample, settings.plane_margin_m, settings.max_tilt_rad, rng)
-        surface = self._fit.on(sample, plane)
+        level = self._fit.level(sample, plane)
+        surface = self._fit.on(level)
         heights = surface.heights_above(cloud.points, centre)
         is_rising = heights > settings.plane_margin_m
         rising, lying = np.flatnonzero(is_rising), np.flatnonzero(~is_rising)
@@ -115,7 +116,7 @@ class GroundAndClusters(Segmenter):
         parts, rest, scattered = self._objects(points, heights, places, limits, rng)
         told = tuple(left_out(*one, centre) for one in rest)
         warnings = (
-            *self._site_warnings(sample, plane, surface),
+            *self._site_warnings(level, surface),
             *spacing_warnings(apart_m, settings.voxel_m, limits.least_extent_m),
             *unit_warnings(len(parts), told, limits.most_extent_m),
         )
@@ -130,14 +131,12 @@ class GroundAndClusters(Segmenter):
             warnings=warnings,
         )
 
-    def _site_warnings(
-        self, sample: Float, plane: Float, surface: GroundSurface
-    ) -> tuple[str, ...]:
+    def _site_warnings(self, level: LevelSample, surface: GroundSurface) -> tuple[str, ...]:
         return site_warnings(
-            sample,
-            plane,
-            surface.heights_above(sample),
-            self._fit.relief(sample, plane),
+            level.points,
+            level.plane,
+            surface.heights_above(level.points),
+            self._fit.relief(level),
             self._settings.plane_margin_m,
             np.random.default_rng(self._settings.seed),
         )

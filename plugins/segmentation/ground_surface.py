@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from executive_plugins.segmentation.ground_plane import plane_heights
-from executive_plugins.segmentation.lower_cone import Relief, may_be_ground, relief_of
+from executive_plugins.segmentation.lower_cone import LowerCone, Relief
 from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
@@ -181,9 +181,8 @@ def _node_means(
     return counts, sums / np.maximum(counts, 1)
 
 
-def _node_m(uv: Float, least_m: float) -> float:
-    """Return the distance of nodes with which a grid over places (N, 2) is not too large [m]."""
-    span = np.ptp(uv, axis=0)
+def _node_m(span: Float, least_m: float) -> float:
+    """Return the distance of nodes with which a grid of such sides (2,) is not too large [m]."""
     node_m = max(least_m, float(np.sqrt(np.prod(span + least_m) / _MAX_NODES)))
     if max(node_m, float(span.max()) / _MAX_NODES) > _COARSEST_M:
         told = " × ".join(f"{one:.0f}" for one in span)
@@ -192,6 +191,31 @@ def _node_m(uv: Float, least_m: float) -> float:
             "the metre"
         )
     return node_m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LevelSample:
+    """Points of a cloud in the axes of a plane, and how high ground may be there.
+
+    Attributes:
+        plane: Unit normal n (up) and offset d with n·p = d [m], shape (4,).
+        points: [m], shape (N, 3).
+        places: Positions along the plane [m], shape (N, 2).
+        heights: Above the plane [m], shape (N,).
+        origin: Least of the places [m], shape (2,).
+        span: Sides of their box [m], shape (2,).
+        node_m: Distance of nodes with which a grid over them is not too large [m].
+        cone: How high ground may be.
+    """
+
+    plane: Float
+    points: Float
+    places: Float
+    heights: Float
+    origin: Float
+    span: Float
+    node_m: float
+    cone: LowerCone
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,8 +234,8 @@ class SurfaceFit:
     max_rise: float
     stiffness: float
 
-    def on(self, points: Float, plane: Float) -> GroundSurface:
-        """Lay a stiff grid onto the ground: what may be ground first, then what is close to it.
+    def level(self, points: Float, plane: Float) -> LevelSample:
+        """Lay the axes of a plane through points.
 
         Args:
             points: The cloud, or a sample of it [m], shape (N, 3).
@@ -220,29 +244,37 @@ class SurfaceFit:
         Raises:
             DataError: If the cloud is too wide for any site.
         """
-        R = _axes(plane[:3])
-        uv = points @ R[:2].T
-        origin, node_m = uv.min(axis=0), _node_m(uv, self.node_m)
-        shape = tuple(int(n) for n in np.maximum(np.ceil(np.ptp(uv, axis=0) / node_m), 1) + 1)
-        nodes = np.rint((uv - origin) / node_m).astype(np.int64) @ np.array([shape[1], 1])
+        places, heights = points @ _axes(plane[:3])[:2].T, plane_heights(points, plane)
+        origin = np.array([places[:, a].min() for a in range(2)])
+        span = np.array([places[:, a].max() for a in range(2)]) - origin
+        node_m = _node_m(span, self.node_m)
+        cone = LowerCone.under(places, heights, node_m / 2, self.max_rise)
+        return LevelSample(plane, points, places, heights, origin, span, node_m, cone)
+
+    def on(self, sample: LevelSample) -> GroundSurface:
+        """Lay a stiff grid onto the ground: what may be ground first, then what is close to it."""
+        node_m, origin, heights = sample.node_m, sample.origin, sample.heights
+        R = _axes(sample.plane[:3])
+        shape = tuple(int(n) for n in np.maximum(np.ceil(sample.span / node_m), 1) + 1)
+        nodes = np.rint((sample.places - origin) / node_m).astype(np.int64)
+        nodes = nodes @ np.array([shape[1], 1])
         system, diagonal = _stiff(shape, self.stiffness)
         free = system.data[diagonal].copy()
-        heights = plane_heights(points, plane)
-        is_low = may_be_ground(uv, heights, node_m / 2, self.max_rise, self.margin_m)
+        is_low = sample.cone.may_be_ground(heights, self.margin_m)
         above, solver = np.where(is_low, 0.0, np.inf), _Solver()
-        surface = GroundSurface(plane, R, origin, node_m, np.zeros(shape))
+        surface = GroundSurface(sample.plane, R, origin, node_m, np.zeros(shape))
         for share in (1.0, *_ROUNDS):
             limits = (-share * self.margin_m, 0.5 * share * self.margin_m)  # stones only rise
             counts, means = _node_means(above, heights, nodes, limits, shape[0] * shape[1])
             weights = np.minimum(counts / (_FULL_DENSITY * node_m**2), 1.0)
             system.data[diagonal] = free + weights
             grid = solver.solved(system, weights * means).reshape(shape)
-            surface = GroundSurface(plane, R, origin, node_m, grid)
-            above = surface.heights_above(points)
+            surface = GroundSurface(sample.plane, R, origin, node_m, grid)
+            above = surface.heights_above(sample.points)
         return surface
 
-    def relief(self, points: Float, plane: Float) -> Relief:
-        """Return which shares of the area are steeper than ground; arguments as in `on`."""
-        uv, heights = points @ _axes(plane[:3])[:2].T, plane_heights(points, plane)
-        cell_m = _node_m(uv, self.node_m) / 2
-        return relief_of(uv, heights, cell_m, self.max_rise, self.margin_m)
+    def relief(self, sample: LevelSample) -> Relief:
+        """Return which shares of the area are steeper than ground."""
+        cell_m, margin_m = sample.node_m / 2, self.margin_m
+        upside_down = LowerCone.under(sample.places, -sample.heights, cell_m, self.max_rise)
+        return Relief(sample.cone.steep_share(margin_m), upside_down.steep_share(margin_m))

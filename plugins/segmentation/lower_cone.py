@@ -29,46 +29,52 @@ class Relief:
     sinking: float
 
 
-def may_be_ground(
-    places: Float, heights: Float, cell_m: float, max_rise: float, margin_m: float
-) -> Bool:
-    """Return which points are not higher than ground can rise, shape (N,).
+@dataclass(frozen=True, slots=True, eq=False)
+class LowerCone:
+    """How high ground may be above the lowest heights, by cells of a grid.
 
     Single points below the ground, as of reflections, are none and lower no cone: the lowest
     heights are taken through a median over 3 × 3 cells.
 
-    Args:
-        places: Positions along the ground [m], shape (N, 2).
-        heights: Above the ground's mean plane [m], shape (N,).
-        cell_m: Grid edge [m].
-        max_rise: Largest slope of the ground, as a tangent.
-        margin_m: Height of ground above its lowest points [m].
+    Attributes:
+        cells: Cell of each point, shape (N, 2).
+        lowest: Lowest height in each cell [m], inf for none, shape (nx, ny).
+        tops: How high ground may be in each cell [m], shape (nx, ny).
     """
-    cells, _, cone = _cone(places, heights, cell_m, max_rise)
-    above = heights - cone[cells[:, 0], cells[:, 1]]
-    return np.asarray((above < margin_m) & (above > -_STRAY * margin_m))
 
+    cells: Int
+    lowest: Float
+    tops: Float
 
-def relief_of(
-    places: Float, heights: Float, cell_m: float, max_rise: float, margin_m: float
-) -> Relief:
-    """Return which shares of the area are steeper than ground; arguments as in `may_be_ground`."""
-    shares = []
-    for side in (heights, -heights):
-        _, lowest, cone = _cone(places, side, cell_m, max_rise)
-        seen = np.isfinite(lowest)
-        shares.append(float((lowest[seen] > cone[seen] + margin_m).mean()))
-    return Relief(*shares)
+    @classmethod
+    def under(cls, places: Float, heights: Float, cell_m: float, max_rise: float) -> "LowerCone":
+        """Set cones upon the lowest heights.
 
+        Args:
+            places: Positions along the ground [m], shape (N, 2).
+            heights: Above the ground's mean plane [m], shape (N,).
+            cell_m: Grid edge [m].
+            max_rise: Largest slope of the ground, as a tangent.
+        """
+        cells, lowest, tops = _lowest(places, heights, cell_m)
+        _sweep(tops, max_rise * cell_m)
+        _sweep(tops[::-1, ::-1], max_rise * cell_m)
+        return cls(cells, lowest, tops)
 
-def _cone(
-    places: Float, heights: Float, cell_m: float, max_rise: float
-) -> tuple[Int, Float, Float]:
-    """Return the cell of each point, the lowest height in each cell, and how high ground may be."""
-    cells, lowest, cone = _lowest(places, heights, cell_m)
-    _sweep(cone, max_rise * cell_m)
-    _sweep(cone[::-1, ::-1], max_rise * cell_m)
-    return cells, lowest, cone
+    def may_be_ground(self, heights: Float, margin_m: float) -> Bool:
+        """Return which points are not higher than ground can rise, shape (N,).
+
+        Args:
+            heights: Of the points that the cones were set under [m], shape (N,).
+            margin_m: Height of ground above its lowest points [m].
+        """
+        above = heights - self.tops[self.cells[:, 0], self.cells[:, 1]]
+        return np.asarray((above < margin_m) & (above > -_STRAY * margin_m))
+
+    def steep_share(self, margin_m: float) -> float:
+        """Return which share of the area is steeper than ground; margin as in `may_be_ground`."""
+        seen = np.isfinite(self.lowest)
+        return float((self.lowest[seen] > self.tops[seen] + margin_m).mean())
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -22,7 +22,7 @@ def ground(rng: np.random.Generator, count: int = 20000) -> np.ndarray:
 
 def test_waves_of_seven_metres_are_followed_to_a_few_centimetres() -> None:
     points = ground(np.random.default_rng(0))
-    terrain = FIT.on(points, LEVEL)
+    terrain = FIT.on(FIT.level(points, LEVEL))
     inner = np.abs(points[:, :2]).max(axis=1) < 9
     assert np.abs(points[:, 2]).max() > 0.12  # a plane alone would leave this
     assert np.sqrt(np.mean(terrain.heights_above(points)[inner] ** 2)) < 0.02
@@ -37,7 +37,7 @@ def test_a_stone_is_not_climbed() -> None:
     stone = np.column_stack(
         [top, waves(top) + 0.25]
     )  # flat, and low enough to be taken for ground at first
-    terrain = FIT.on(np.vstack([points[~on_stone], stone]), LEVEL)
+    terrain = FIT.on(FIT.level(np.vstack([points[~on_stone], stone]), LEVEL))
     np.testing.assert_allclose(terrain.heights_above(stone), 0.25, atol=0.06)
 
 
@@ -53,7 +53,7 @@ def test_crests_higher_than_the_margin_are_ground_and_a_stone_on_one_is_not() ->
     stone = np.column_stack([top, high_waves(top) + 0.5])
     free = xy[np.abs(xy - [1.5, 2.0]).max(axis=1) > 0.4]
     points = np.column_stack([free, high_waves(free) + rng.normal(0, 0.01, len(free))])
-    terrain = FIT.on(np.vstack([points, stone]), LEVEL)
+    terrain = FIT.on(FIT.level(np.vstack([points, stone]), LEVEL))
     inner = np.abs(free).max(axis=1) < 9
     assert np.abs(terrain.heights_above(points)[inner]).max() < 0.1
     assert terrain.heights_above(stone).min() > 0.4
@@ -63,14 +63,14 @@ def test_a_bank_steeper_than_ground_rises_from_it() -> None:
     steep = SurfaceFit(node_m=0.5, margin_m=0.1, max_rise=np.tan(0.1), stiffness=0.5)
     xy = np.random.default_rng(0).uniform(-10, 10, (40_000, 2))
     points = np.column_stack([xy, high_waves(xy)])
-    assert steep.on(points, LEVEL).heights_above(points).max() > 0.3
+    assert steep.on(steep.level(points, LEVEL)).heights_above(points).max() > 0.3
 
 
 def test_points_under_the_ground_do_not_lower_it() -> None:
     rng = np.random.default_rng(0)
     points = ground(rng)
     under = rng.uniform([-9, -9, -3.0], [9, 9, -0.5], (400, 3))
-    terrain = FIT.on(np.vstack([points, under]), LEVEL)
+    terrain = FIT.on(FIT.level(np.vstack([points, under]), LEVEL))
     inner = np.abs(points[:, :2]).max(axis=1) < 9
     assert np.abs(terrain.heights_above(points)[inner]).max() < 0.1
 
@@ -80,14 +80,14 @@ def test_heights_on_a_plane_are_exact() -> None:
     xy = rng.uniform(-5, 5, (5000, 2))
     normal = np.array([0.1, -0.2, 1.0]) / np.linalg.norm([0.1, -0.2, 1.0])
     points = np.column_stack([xy, -(xy @ normal[:2]) / normal[2]])
-    terrain = FIT.on(points, np.array([*normal, 0.0]))
+    terrain = FIT.on(FIT.level(points, np.array([*normal, 0.0])))
     raised = points + 0.4 * normal
     np.testing.assert_allclose(terrain.heights_above(raised), 0.4, atol=1e-6)
 
 
 def test_a_cloud_in_millimetres_is_named() -> None:
     with pytest.raises(DataError, match="unit is the metre"):
-        FIT.on(ground(np.random.default_rng(0)) * 1000, LEVEL)
+        FIT.on(FIT.level(ground(np.random.default_rng(0)) * 1000, LEVEL))
 
 
 @pytest.mark.parametrize("most_steps", [40, 2])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation.lower_cone import may_be_ground, relief_of
+from executive_plugins.segmentation.lower_cone import LowerCone
 
 CELL_M, RISE, MARGIN_M = 0.5, 0.4, 0.05
 
@@ -32,18 +32,22 @@ def cone_of(lowest: np.ndarray) -> np.ndarray:
 def test_the_cone_is_the_least_rise_from_any_other_cell(shape: tuple[int, int], seed: int) -> None:
     lowest = np.random.default_rng(seed).uniform(0.0, 2.0, shape)
     above = (lowest - cone_of(lowest)).ravel()
-    found = may_be_ground(cells_of(shape), lowest.ravel(), CELL_M, RISE, MARGIN_M)
+    upright, upside_down = (
+        LowerCone.under(cells_of(shape), heights, CELL_M, RISE)
+        for heights in (lowest.ravel(), -lowest.ravel())
+    )
+    found = upright.may_be_ground(lowest.ravel(), MARGIN_M)
     np.testing.assert_array_equal(found, (above < MARGIN_M) & (above > -3 * MARGIN_M))
-    relief = relief_of(cells_of(shape), lowest.ravel(), CELL_M, RISE, MARGIN_M)
-    assert relief.rising == pytest.approx((above > MARGIN_M).mean())
+    assert upright.steep_share(MARGIN_M) == pytest.approx((above > MARGIN_M).mean())
     sunk = (-lowest - cone_of(-lowest)).ravel()
-    assert relief.sinking == pytest.approx((sunk > MARGIN_M).mean())
+    assert upside_down.steep_share(MARGIN_M) == pytest.approx((sunk > MARGIN_M).mean())
 
 
 def test_of_several_points_in_a_cell_the_lowest_counts() -> None:
     places, heights = cells_of((5, 5)), np.zeros(25)
     twice = np.vstack([places, places])
-    found = may_be_ground(twice, np.append(heights + 0.3, heights), CELL_M, RISE, MARGIN_M)
+    both = np.append(heights + 0.3, heights)
+    found = LowerCone.under(twice, both, CELL_M, RISE).may_be_ground(both, MARGIN_M)
     np.testing.assert_array_equal(found, np.arange(50) >= 25)
 
 
@@ -54,14 +58,16 @@ def test_cells_without_points_neither_lower_a_cone_nor_count_for_the_relief() ->
     is_seen = (column < 3) | (column > 8)
     heights = np.where(column > 8, 1.0, 0.0)
     places, heights = places[is_seen], heights[is_seen]
-    assert may_be_ground(places, heights, CELL_M, 0.4, MARGIN_M).all()  # 1.2 m over 6 cells
-    steep = may_be_ground(places, heights, CELL_M, 0.2, MARGIN_M)  # 0.6 m
-    np.testing.assert_array_equal(steep, heights < 0.5)
-    assert relief_of(places, heights, CELL_M, 0.2, MARGIN_M).rising == pytest.approx(0.5)
+    wide, steep = (LowerCone.under(places, heights, CELL_M, rise) for rise in (0.4, 0.2))
+    assert wide.may_be_ground(heights, MARGIN_M).all()  # 1.2 m over 6 cells
+    np.testing.assert_array_equal(steep.may_be_ground(heights, MARGIN_M), heights < 0.5)  # 0.6 m
+    assert steep.steep_share(MARGIN_M) == pytest.approx(0.5)
 
 
 def test_a_single_reflection_below_the_ground_is_none_and_lowers_nothing() -> None:
     heights = np.zeros(49)
     heights[24] = -1.0
-    found = may_be_ground(cells_of((7, 7)), heights, CELL_M, RISE, MARGIN_M)
+    found = LowerCone.under(cells_of((7, 7)), heights, CELL_M, RISE).may_be_ground(
+        heights, MARGIN_M
+    )
     np.testing.assert_array_equal(found, heights == 0.0)

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation.lower_cone import Relief, may_be_ground, relief_of
+from executive_plugins.segmentation.lower_cone import LowerCone, Relief
 from executive_plugins.segmentation.site_check import (
     site_warnings,
     spacing_warnings,
@@ -90,22 +90,25 @@ def test_what_stands_on_a_slope_is_no_ground_and_the_slope_is() -> None:
     places = np.column_stack([x, y])
     slope = 0.3 * x - 0.2 * y
     block = (np.abs(x - 3) < 0.65) & (np.abs(y - 3) < 0.65)
-    is_ground = may_be_ground(places, slope + np.where(block, 0.9, 0.0), 0.2, 0.6, 0.15)
+    heights = slope + np.where(block, 0.9, 0.0)
+    cone = LowerCone.under(places, heights, 0.2, 0.6)
+    is_ground = cone.may_be_ground(heights, 0.15)
     assert is_ground[~block].mean() > 0.99
     middle = (np.abs(x - 3) < 0.4) & (np.abs(y - 3) < 0.4)
     assert not is_ground[middle].any()
-    relief = relief_of(places, slope + np.where(block, 0.9, 0.0), 0.2, 0.6, 0.15)
-    assert relief.rising == pytest.approx(block.mean(), rel=0.3)
-    assert relief.sinking > 2 * relief.rising  # the ground all around the block
-    turned = relief_of(places, -slope - np.where(block, 0.9, 0.0), 0.2, 0.6, 0.15)
-    assert (turned.rising, turned.sinking) == (relief.sinking, relief.rising)
-    assert relief_of(places, slope, 0.2, 0.6, 0.15) == FLAT
+    rising = cone.steep_share(0.15)
+    assert rising == pytest.approx(block.mean(), rel=0.3)
+    sinking = LowerCone.under(places, -heights, 0.2, 0.6).steep_share(0.15)
+    assert sinking > 2 * rising  # the ground all around the block
+    for bare in (slope, -slope):
+        assert LowerCone.under(places, bare, 0.2, 0.6).steep_share(0.15) == 0.0
 
 
 def test_a_single_reflection_below_the_ground_lowers_nothing() -> None:
     x, y = (each.ravel() for each in np.meshgrid(np.arange(0, 6, 0.1), np.arange(0, 6, 0.1)))
     heights = np.zeros(len(x))
     heights[1830] = -4.0
-    is_ground = may_be_ground(np.column_stack([x, y]), heights, 0.2, 0.6, 0.15)
+    cone = LowerCone.under(np.column_stack([x, y]), heights, 0.2, 0.6)
+    is_ground = cone.may_be_ground(heights, 0.15)
     assert not is_ground[1830]
     assert np.delete(is_ground, 1830).all()

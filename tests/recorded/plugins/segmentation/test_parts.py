@@ -117,14 +117,15 @@ def test_ground_surface(recorded) -> None:
         points = rng.uniform(0, 1, (900, 3)) * [*shape, 0.05]
         points[:, 2] += 0.1 * np.sin(points[:, 0]) + np.where(rng.random(900) < 0.2, 0.4, 0.0)
         plane = np.array([0.0, 0.6, 0.8, 0.1]) if shape[0] == 2 else np.array([0.0, 0, 1, 0.05])
-        surface = SurfaceFit(node_m, 0.1, 0.36, stiffness).on(points, plane)
+        fit = SurfaceFit(node_m, 0.1, 0.36, stiffness)
+        surface = fit.on(fit.level(points, plane))
         corners = rng.uniform(-1, 8, (40, 3))
         told.append(
             (surface, surface.heights_above(corners), surface.heights_above(points, corners[0]))
         )
     wide = np.diag([1500.0, 3000.0, 0.0])
     with pytest.raises(DataError) as refused:
-        SurfaceFit(1.0, 0.1, 0.36, 0.5).on(wide, np.array([0.0, 0, 1, 0]))
+        SurfaceFit(1.0, 0.1, 0.36, 0.5).level(wide, np.array([0.0, 0, 1, 0]))
     recorded((told, refused.value))
 
 
