@@ -68,11 +68,9 @@ class ClusterSplitter:
 
     def _believed(self, labels: Int, points: Float, heights: Float) -> list[Int]:
         counts = np.bincount(labels)
-        cores = [
-            c
-            for c in np.flatnonzero(counts >= self.least_points)
-            if self._is_stone(labels == c, points, heights)
-        ]
+        cores = [int(c) for c in np.flatnonzero(counts >= self.least_points)]
+        if len(cores) >= 2:
+            cores = [c for c in cores if self._is_stone(labels == c, points, heights)]
         if len(cores) >= 2:
             cores = [c for c in cores if self._is_dense(points[labels == c])]
         if len(cores) < 2 or counts[cores].sum() < self.least_share * len(points):

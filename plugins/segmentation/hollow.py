@@ -3,7 +3,8 @@
 from functools import lru_cache
 
 import numpy as np
-from executive_plugins.segmentation.shape import principal_extents
+from executive_plugins.segmentation.shape import principal_extents, quantile
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
@@ -11,13 +12,13 @@ from executive.arrays import Float
 from executive.geometry.point_grid import PointGrid
 
 Single = NDArray[np.float32]
-_SHARE = 95  # percentile of the depths: the deepest points are those of the noise
+_SHARE = 0.95  # quantile of the depths: the deepest points are those of the noise
 _HULL = 2000  # points that the hull is laid about
 _NEIGHBOURS = 5  # by whose distance points in the air are told from those of a surface
 _CELL = 2.0  # edge of the cells in which neighbours are looked up, in their distance: the fastest
 _STRAY = 2.0  # of the median distance: points farther off, as of reflections, would widen the hull
 _ASKED = 500  # points whose depth is taken
-_FEW = 0.5 * (1 - _SHARE / 100)  # at least half of the points are no strays
+_FEW = 0.5 * (1 - _SHARE)  # at least half of the points are no strays
 _SLABS = 64  # three of four parts with half the hollows of one stone need no hull then
 _HEIGHTS = (np.arange(_SLABS) + 0.5) / _SLABS  # of directions that are even over a hemisphere
 _TURNS = np.pi * (1 + np.sqrt(5)) * np.arange(_SLABS)  # by the golden angle
@@ -64,9 +65,21 @@ def _depths_in_slabs_m(surface: bytes) -> Single:
     """Return how deep some points lie in the slabs about all [m], of rows of x, y, z."""
     some = np.frombuffer(surface).reshape(-1, 3)
     along = _DIRECTIONS @ np.ascontiguousarray((some - some[0]).T, dtype=np.float32)
-    lowest, highest = along.min(axis=1, keepdims=True), along.max(axis=1, keepdims=True)
-    asked = along[:, :: max(len(some) // _ASKED, 1)]
-    return np.asarray(np.minimum(asked - lowest, highest - asked).min(axis=0))
+    lowest, highest = along.min(axis=1), along.max(axis=1)
+    return np.asarray(_least_depths(along, lowest, highest, max(len(some) // _ASKED, 1)))
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _least_depths(along: Single, lowest: Single, highest: Single, every: int) -> Single:
+    """Return the least depth of every n-th point in slabs, of places (K, N) and ends (K,) [m]."""
+    found = np.full(-(-along.shape[1] // every), np.inf, dtype=np.float32)
+    for a in range(len(along)):
+        for i in range(len(found)):
+            here = along[a, i * every]
+            up, down = highest[a] - here, here - lowest[a]
+            depth = up if up < down else down
+            found[i] = depth if depth < found[i] else found[i]
+    return found
 
 
 @lru_cache(maxsize=64)
@@ -85,4 +98,4 @@ def _depth_m(surface: bytes) -> float:
         return 0.0
     asked = some[:: max(len(some) // _ASKED, 1)] - some[0]
     depths = -(asked @ planes[:, :3].T + planes[:, 3]).max(axis=1)
-    return float(np.percentile(depths, _SHARE))
+    return float(quantile(depths, _SHARE))

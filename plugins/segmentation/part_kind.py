@@ -59,11 +59,12 @@ class PartJudge:
             heights: Above the ground [m], shape (N,).
             rng: The only source of chance.
         """
+        extents = principal_extents(part)
         return (
-            self._small(part, heights)
+            self._small(extents, heights)
             or self._flat(part, rng)
             or self._upright(places, heights)
-            or self._large(part, places, heights)
+            or self._large(extents, places, heights)
             or self._hollow(part, places, heights)
         )
 
@@ -93,11 +94,11 @@ class PartJudge:
         )
         return PartKind.STRUCTURE, f"{told}, are flat, upright, too large or stacks"
 
-    def _small(self, part: Float, heights: Float) -> Found | None:
+    def _small(self, extents: Float, heights: Float) -> Found | None:
         least_m, top_m = self._limits.least_height_m, float(heights.max())
         if top_m < least_m:
             return PartKind.TOO_SMALL, f"{top_m:.2f} m high, less than {least_m:.2f} m"
-        least_m, longest_m = self._limits.least_extent_m, float(principal_extents(part)[0])
+        least_m, longest_m = self._limits.least_extent_m, float(extents[0])
         if longest_m < least_m:
             return PartKind.TOO_SMALL, f"{longest_m:.2f} m long, less than {least_m:.2f} m"
         return None
@@ -120,8 +121,7 @@ class PartJudge:
             return None
         return PartKind.STRUCTURE, f"stands upright: {tall_m:.2f} m high, {side_m:.2f} m wide"
 
-    def _large(self, part: Float, places: Float, heights: Float) -> Found | None:
-        extents = principal_extents(part)
+    def _large(self, extents: Float, places: Float, heights: Float) -> Found | None:
         longest_m, narrowest_m = float(extents[0]), float(extents[2])
         if longest_m > self._limits.most_extent_m:
             told = f"{longest_m:.2f} m long, more than {self._limits.most_extent_m:.2f} m"

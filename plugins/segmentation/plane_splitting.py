@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from executive_plugins.segmentation.shape import principal_extents, spans
+from executive_plugins.segmentation.shape import principal_extents, quantile, spans
 from executive_plugins.segmentation.two_bodies import axes_of, best_cut, depths_under_hulls
+from numba import njit
 from scipy.spatial import cKDTree
 
 from executive.arrays import Bool, Float, Int
@@ -15,7 +16,7 @@ from executive.geometry.voxels import voxel_means
 _FEW = 20  # patches: fewer show no shape
 _SEAM = 2.0  # width of a seam on both of its sides, in patches
 _FLOOR = 1e-4  # of the longest side: shallower depths are alike
-_SHARE = 95  # percentile of depths that is left after a cut
+_SHARE = 0.95  # quantile of depths that is left after a cut
 # Logistic regression of views of one stone and of two that touch or nearly do, on the logarithms
 # of three depths in the longest side: `docs/evidence/perception.md`, neighbours.
 _WEIGHTS, _OFFSET = np.array([5.83, -5.52, 6.03]), 21.84
@@ -56,15 +57,11 @@ class PlaneSplitter:
         """
         one = depths_under_hulls(patches, axes, np.zeros_like(is_beyond))
         two = depths_under_hulls(patches, axes, is_beyond)
-        near = _SEAM * self.patch_m
-        sides = patches[is_beyond], patches[~is_beyond]
-        at_seam = np.zeros(len(patches), dtype=bool)
-        at_seam[is_beyond] = cKDTree(sides[1]).query(sides[0])[0] < near
-        at_seam[~is_beyond] = cKDTree(sides[0]).query(sides[1])[0] < near
+        at_seam = _at_seam(patches, is_beyond, _SEAM * self.patch_m)
         if not at_seam.any():
             return np.inf
         longest_m = float(principal_extents(patches)[0])
-        told = np.array([one.mean(), np.percentile(two, _SHARE), one[at_seam].mean()]) / longest_m
+        told = np.array([one.mean(), quantile(two, _SHARE), one[at_seam].mean()]) / longest_m
         return float(np.log(told + _FLOOR) @ _WEIGHTS) + _OFFSET
 
     def _cut(self, patches: Float, rows: Int) -> list[Int]:
@@ -107,3 +104,21 @@ class PlaneSplitter:
         both = patches[np.concatenate([one, other])]
         is_beyond = np.arange(len(both)) >= len(one)
         return self.evidence(both, axes_of(both), is_beyond)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _at_seam(patches: Float, is_beyond: Bool, reach_m: float) -> Bool:
+    """Return which patches have one of the other side of a cut within a reach [m], shape (N,).
+
+    All pairs are looked at, as there are few patches.
+    """
+    found = np.zeros(len(patches), dtype=np.bool_)
+    rows, others = np.flatnonzero(is_beyond), np.flatnonzero(~is_beyond)
+    for i in rows:
+        for j in others:
+            x = patches[i, 0] - patches[j, 0]
+            y = patches[i, 1] - patches[j, 1]
+            z = patches[i, 2] - patches[j, 2]
+            if x * x + y * y + z * z < reach_m * reach_m:
+                found[i] = found[j] = True
+    return found

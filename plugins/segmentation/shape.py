@@ -42,12 +42,25 @@ def spans(points: Float, axes: Float = _AXES) -> Float:
     return extents
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def principal_extents(points: Float) -> Float:
     """Return the side lengths of the box along the principal axes, longest first [m],
     shape (3,).
     """
     axes = np.linalg.eigh(moments(points)[1])[1]
-    return np.asarray(np.sort(spans(points, axes))[::-1])
+    return np.sort(spans(points, axes))[::-1].copy()
+
+
+def quantile(values: Float, share: float) -> Float:
+    """Return the value below which a share of the values lies, along the first axis.
+
+    It is that of `np.quantile`, whose checks take longer than the few values of a part.
+    """
+    ordered, place = np.sort(values, axis=0), (len(values) - 1) * share
+    low, above = ordered[int(place)], ordered[min(int(place) + 1, len(values) - 1)]
+    part = place - int(place)
+    between = low + (above - low) * part if part < 0.5 else above - (above - low) * (1 - part)
+    return np.asarray(between)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -8,6 +8,7 @@ cuts"; here they are judged by both hulls and not by the angles at the seam.
 
 import numpy as np
 import small_gicp
+from executive_plugins.segmentation.shape import quantile
 from numba import njit
 from numpy.typing import NDArray
 
@@ -17,7 +18,7 @@ Single = NDArray[np.float32]  # half the memory of float64, twice as fast
 Narrow = NDArray[np.int32]
 _NEIGHBOURS = 12  # patches that a normal is fitted to: itself and those about it
 _NORMALS = 64  # axes along normals, as different from each other as possible
-_AXES = 20  # axes to all sides, for edges
+_AXES = 20  # axes to all sides
 _MOST = np.iinfo(np.int32).max
 _ASKED = 120  # patches by which cuts are judged
 _WAYS = 24  # directions of the first cuts
@@ -36,7 +37,7 @@ def axes_of(patches: Float) -> Float:
     cloud = small_gicp.PointCloud(patches)
     small_gicp.estimate_normals(cloud, num_neighbors=_NEIGHBOURS)
     normals = np.array(cloud.normals()[:, :3], order="C")
-    return np.vstack([_different(normals, _NORMALS), half_sphere(_AXES)])
+    return np.vstack([_different(normals, _NORMALS), _EDGE_AXES])
 
 
 def depths_under_hulls(patches: Float, axes: Float, is_beyond: Bool) -> Float:
@@ -49,12 +50,7 @@ def depths_under_hulls(patches: Float, axes: Float, is_beyond: Bool) -> Float:
         is_beyond: Which patches are beyond the cut, shape (N,).
     """
     along = (patches - patches.mean(axis=0)) @ axes.T
-    found = np.empty(len(patches))
-    for side in (is_beyond, ~is_beyond):
-        if side.any():
-            its = along[side]
-            found[side] = np.minimum(its.max(axis=0) - its, its - its.min(axis=0)).min(axis=1)
-    return found
+    return np.asarray(_least_depths(along, is_beyond))
 
 
 def best_cut(patches: Float, axes: Float, rng: np.random.Generator) -> Bool:
@@ -95,12 +91,16 @@ def half_sphere(count: int) -> Float:
     return np.column_stack([wide * np.cos(turn), wide * np.sin(turn), z])
 
 
+_EDGE_AXES = half_sphere(_AXES)  # axes to all sides, for edges, shape (20, 3)
+_FIRST_WAYS = half_sphere(_WAYS)
+
+
 def _first_planes(level: Float) -> Float:
     """Return planes (n, d) with n·p = d in all directions, shape (M, 4)."""
-    ways = half_sphere(_WAYS)
-    ends = np.quantile(level @ ways.T, [_OUTERMOST, 1 - _OUTERMOST], axis=0)
-    places = np.linspace(ends[0], ends[1], _CUTS).T
-    return np.column_stack([np.repeat(ways, _CUTS, axis=0), places.reshape(-1)])
+    along = level @ _FIRST_WAYS.T
+    first, last = (quantile(along, share) for share in (_OUTERMOST, 1 - _OUTERMOST))
+    places = np.linspace(first, last, _CUTS).T
+    return np.column_stack([np.repeat(_FIRST_WAYS, _CUTS, axis=0), places.reshape(-1)])
 
 
 def _judged(level: Float, along: Single, planes: Float) -> Float:
@@ -115,6 +115,36 @@ def _judged(level: Float, along: Single, planes: Float) -> Float:
     ends = _ends(along.view(np.int32), cuts).view(np.float32)
     depths[is_cut] = _depths(along, ends, cuts, _BEST)
     return depths
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _least_depths(along: Float, is_beyond: Bool) -> Float:
+    """Return how deep each patch lies between the ends of its own side, the least of all axes [m].
+
+    Args:
+        along: Places of the patches along the axes [m], shape (N, K).
+        is_beyond: Which patches are beyond the cut, shape (N,).
+    """
+    patches, axes = along.shape
+    tops, bottoms = np.full((2, axes), -np.inf), np.full((2, axes), np.inf)
+    for i in range(patches):
+        here, top, bottom = along[i], tops[int(is_beyond[i])], bottoms[int(is_beyond[i])]
+        for a in range(axes):
+            top[a] = here[a] if here[a] > top[a] else top[a]
+            bottom[a] = here[a] if here[a] < bottom[a] else bottom[a]
+    found, depths = np.empty(patches), np.empty(axes)
+    bits = depths.view(np.int64)  # in the same order, as depths are not negative; see `_ends`
+    for i in range(patches):
+        here, top, bottom = along[i], tops[int(is_beyond[i])], bottoms[int(is_beyond[i])]
+        for a in range(axes):
+            up, down = top[a] - here[a], here[a] - bottom[a]
+            depths[a] = up if up < down else down
+        smallest = bits[0]
+        for a in range(axes):
+            smallest = min(smallest, bits[a])
+        bits[0] = smallest
+        found[i] = depths[0]
+    return found
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
