@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from executive_plugins.registration.similarity import Similarity, Surface
+from executive_plugins.registration.laid_stone import LaidStone
+from executive_plugins.registration.similarity import Similarity
 from executive_plugins.registration.site_view import SiteView
 
 from executive.arrays import Float
@@ -66,18 +67,17 @@ class Evidence:
 
         Nine tenths of the share are asked for.
         """
-        reach_m = self._truncation_m
-        shares = [np.isfinite(self._residuals(motion, i, j, reach_m)).mean() for i, j in pairs]
+        shares = (self._laid(motion, i, j).share for i, j in pairs)
         return sum(share >= 0.9 * self._min_overlap for share in shares)
 
     def best_fit(self, motion: Similarity, pairs: Pairs, agreeing: Pairs) -> tuple[StoneFit, float]:
         """Return how the stones fit under the best motion, and the standard deviation of the
         residuals of those that agree [m].
         """
-        compared = {pair: self._compared(motion, *pair, self._truncation_m) for pair in pairs}
-        near = [r[np.isfinite(r)] for pair, (_, r, _) in compared.items() if pair in agreeing]
+        laid = {pair: self._laid(motion, *pair) for pair in pairs}
+        near = [stone.heights_m for pair, stone in laid.items() if pair in agreeing]
         noise_m = _std(np.concatenate(near or [np.zeros(0)]))
-        return self._fit(compared, noise_m), noise_m
+        return self._fit(laid, noise_m), noise_m
 
     def stone_fit(self, motion: Similarity, pairs: Pairs, noise_m: float) -> StoneFit:
         """Compare the surfaces of stones that a motion brings near each other.
@@ -85,22 +85,18 @@ class Evidence:
         A point without a partner is an observation only where the other cloud shows that nothing is
         there: else the other view has not seen that place.
         """
-        compared = {pair: self._compared(motion, *pair, self._truncation_m) for pair in pairs}
-        return self._fit(compared, noise_m)
+        return self._fit({pair: self._laid(motion, *pair) for pair in pairs}, noise_m)
 
-    def _fit(
-        self, compared: Mapping[tuple[int, int], tuple[Float, Float, SiteView]], noise_m: float
-    ) -> StoneFit:
+    def _fit(self, laid: Mapping[tuple[int, int], LaidStone], noise_m: float) -> StoneFit:
         agreeing, costs, weights = [], [], []
-        for pair, (points, residuals, view) in compared.items():
-            is_near = np.isfinite(residuals)
-            if is_near.mean() >= self._min_overlap:
+        for pair, stone in laid.items():
+            if stone.share >= self._min_overlap:
                 agreeing.append(pair)
-            is_near[~is_near] = view.is_open(points[~is_near], self._truncation_m)
-            residuals = residuals[is_near] if is_near.any() else np.full(1, np.inf)
+            residuals = stone.residuals_m(self._truncation_m)
+            residuals = residuals if len(residuals) else np.full(1, np.inf)
             costs.append(float(np.minimum((residuals / noise_m) ** 2 / 2, CAP).mean()))
             weights.append(len(residuals) * self._per_point)
-        return StoneFit(tuple(compared), tuple(agreeing), np.array(costs), np.array(weights))
+        return StoneFit(tuple(laid), tuple(agreeing), np.array(costs), np.array(weights))
 
     def contradicted(self, motion: Similarity, pairs: Pairs) -> float:
         """Return the observations of stones that stand where the other cloud shows plain ground.
@@ -177,37 +173,17 @@ class Evidence:
         )
         return rival - own, len(theirs) * _PER_SQUARE
 
-    def _residuals(self, motion: Similarity, i: int, j: int, reach_m: float) -> Float:
-        """Return distances of one stone's points from the other's surface [m], inf if not near."""
-        return self._compared(motion, i, j, reach_m)[1]
-
-    def _compared(
-        self, motion: Similarity, i: int, j: int, reach_m: float
-    ) -> tuple[Float, Float, SiteView]:
+    def _laid(self, motion: Similarity, i: int, j: int) -> LaidStone:
         """Lay one stone's points on the other's surface.
 
         Of both directions that with more near points: a view from one side lies on a whole stone.
-
-        Returns:
-            The points in the other cloud's frame [m], shape (N, 3), their distances from its
-            surface [m], inf if not near, and the view of that cloud.
         """
-        here, there = self._source.stones[i], self._target.stones[j]
-        moved, back = motion.apply(here.points), _inverse(motion).apply(there.points)
+        here, there, reach_m = self._source.stones[i], self._target.stones[j], self._truncation_m
         ways = (
-            (moved, _heights(there, moved, reach_m), self._target),
-            (back, _heights(here, back, reach_m), self._source),
+            LaidStone.on(there, self._target, motion.apply(here.points), reach_m),
+            LaidStone.on(here, self._source, _inverse(motion).apply(there.points), reach_m),
         )
-        return max(ways, key=lambda way: float(np.isfinite(way[1]).mean()))
-
-
-def _heights(surface: Surface, points: Float, reach_m: float) -> Float:
-    distances, rows = surface.nearest(points, reach_m)
-    near = np.isfinite(distances)
-    offsets = points[near] - surface.points[rows[near]]
-    heights = np.full(len(points), np.inf)
-    heights[near] = np.einsum("ij,ij->i", offsets, surface.normals[rows[near]])
-    return heights
+        return max(ways, key=lambda way: way.share)
 
 
 def _inverse(motion: Similarity) -> Similarity:

@@ -5,6 +5,7 @@ The scale of a structure-from-motion cloud comes from camera positions and is wr
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import small_gicp
@@ -35,20 +36,36 @@ class Similarity:
 
 
 class Surface:
-    """A target's points with normals, for many fits."""
+    """A target's points with normals, for many fits.
 
-    def __init__(self, points: Float, normals: Float, spacing_m: float = 0.1) -> None:
-        """Prepare the search; it is fastest if points are so far apart [m]."""
-        self.points, self.normals, self._spacing_m = points, normals, spacing_m
-        self._grid = PointGrid(points, _CELL * spacing_m)
+    Normals and the search are prepared when they are first asked for: many surfaces of a source
+    are compared by their points alone.
+    """
+
+    def __init__(self, points: Float, normals: Float | None = None, spacing_m: float = 0.1) -> None:
+        """Take points (N, 3) [m]; without normals, those of their neighbourhoods are found.
+
+        The search is fastest if points are so far apart [m].
+        """
+        self.points, self._given, self._spacing_m = points, normals, spacing_m
 
     @classmethod
     def thinned(cls, points: Float, voxel_m: float) -> "Surface":
-        """Thin points to a grid and find their normals."""
-        even = thinned(points, voxel_m)
-        cloud = small_gicp.PointCloud(even)
+        """Thin points to a grid; their normals are found."""
+        return cls(thinned(points, voxel_m), None, voxel_m)
+
+    @cached_property
+    def normals(self) -> Float:
+        """Unit normals, shape (N, 3)."""
+        if self._given is not None:
+            return self._given
+        cloud = small_gicp.PointCloud(self.points)
         small_gicp.estimate_normals(cloud, num_neighbors=_NEIGHBOURS)
-        return cls(even, np.array(cloud.normals()[:, :3], order="C"), voxel_m)
+        return np.array(cloud.normals()[:, :3], order="C")
+
+    @cached_property
+    def _grid(self) -> PointGrid:
+        return PointGrid(self.points, _CELL * self._spacing_m)
 
     def joined(self, *others: "Surface") -> "Surface":
         """Return all as one surface."""
