@@ -26,6 +26,7 @@ def neighbours_within(points: Float, queries: Float, radius_m: float) -> tuple[I
     high = np.array([points[:, 0].max(), points[:, 1].max(), points[:, 2].max()])
     spans = ((high - low) / radius_m).astype(np.int64) + 1
     order, firsts = _by_cell(points, low, spans, radius_m)
+    even = points[order]  # in the order in which they are read
     starts = np.zeros(len(queries) + 1, dtype=np.int64)
     rows = np.empty(16 * len(queries) + len(points), dtype=np.int64)
     found = 0
@@ -48,13 +49,29 @@ def neighbours_within(points: Float, queries: Float, radius_m: float) -> tuple[I
                         (rows, np.empty(len(rows) + last - first, dtype=np.int64))
                     )
                 for k in range(first, last):
-                    j = order[k]
-                    dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
+                    dx, dy, dz = even[k, 0] - x, even[k, 1] - y, even[k, 2] - z
                     if dx * dx + dy * dy + dz * dz <= radius_m * radius_m:
-                        rows[found] = j
+                        rows[found] = order[k]
                         found += 1
         starts[i + 1] = found
     return starts, rows[:found]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def nearer(points: Float, starts: Int, rows: Int, radius_m: float) -> tuple[Int, Int]:
+    """Return those neighbours of each point that are within a smaller radius, in their order."""
+    fewer, kept = np.zeros(len(points) + 1, dtype=np.int64), np.empty(len(rows), dtype=np.int64)
+    found = 0
+    for i in range(len(points)):
+        for k in range(starts[i], starts[i + 1]):
+            dx = points[rows[k], 0] - points[i, 0]
+            dy = points[rows[k], 1] - points[i, 1]
+            dz = points[rows[k], 2] - points[i, 2]
+            if dx * dx + dy * dy + dz * dz <= radius_m * radius_m:
+                kept[found] = rows[k]
+                found += 1
+        fewer[i + 1] = found
+    return fewer, kept[:found]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

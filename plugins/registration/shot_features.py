@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from executive_plugins.registration.features import Features
 from executive_plugins.registration.iss import salient_points, surface_shapes
-from executive_plugins.registration.neighbours import neighbours_within
+from executive_plugins.registration.neighbours import nearer, neighbours_within
 from executive_plugins.registration.shot import SHOT_LENGTH, shot_descriptors
 from executive_plugins.registration.thinning import thinned
 
@@ -38,8 +38,13 @@ def find_keypoints(
         gap_m: A keypoint is the most salient point within this distance [m].
     """
     points = thinned(segment.points - segment.centroid, voxel_m)
-    normals, saliencies = surface_shapes(points, *neighbours_within(points, points, iss_radius_m))
-    rows = salient_points(saliencies, *neighbours_within(points, points, gap_m))
+    around = neighbours_within(points, points, iss_radius_m)
+    normals, saliencies = surface_shapes(points, *around)
+    if gap_m <= iss_radius_m:
+        beside = nearer(points, *around, gap_m)
+    else:
+        beside = neighbours_within(points, points, gap_m)
+    rows = salient_points(saliencies, *beside)
     return Keypoints(segment.centroid, points, normals, rows)
 
 
