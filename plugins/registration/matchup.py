@@ -24,6 +24,7 @@ class Matchup:
     Attributes:
         settings: Of the registration.
         target, source: The clouds, segmented.
+        middles: Centroids of the target's segments and of the source's [m], each (N, 3).
         stones: The surface of all target segments together.
         evidence: Compares both under a motion.
     """
@@ -32,6 +33,7 @@ class Matchup:
         self, settings: SegmentSettings, target: Segmentation, source: Segmentation
     ) -> None:
         self.settings, self.target, self.source = settings, target, source
+        self.middles = centroids(target.segments), centroids(source.segments)
         there, here = (SiteView(one, settings.fine_voxel_m) for one in (target, source))
         self.stones = there.stones[0].joined(*there.stones[1:])
         self.evidence = Evidence(there, here, settings.truncation_m, settings.min_overlap)
@@ -56,13 +58,13 @@ class Matchup:
 
     def matched(self, motion: Similarity) -> tuple[tuple[int, int], ...]:
         """Return pairs (source, target) of segments whose centroids a motion brings together."""
-        moved = motion.apply(centroids(self.source.segments))
-        return matched_centroids(centroids(self.target.segments), moved, self.settings.max_match_m)
+        there, here = self.middles
+        return matched_centroids(there, motion.apply(here), self.settings.max_match_m)
 
     def is_same(self, one: Similarity, other: Similarity) -> bool:
         """Return whether two motions lay all stones at nearly the same places."""
-        middles = centroids(self.source.segments)
-        apart = one.apply(middles) - other.apply(middles)
+        here = self.middles[1]
+        apart = one.apply(here) - other.apply(here)
         return bool(np.linalg.norm(apart, axis=1).max() < _ELSEWHERE_M)
 
 

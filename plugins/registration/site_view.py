@@ -27,6 +27,7 @@ def compile_site_view() -> None:
     for ground in (few, shown):
         _plain_cells(np.eye(4), ground, few)
         thinned(ground, _GROUND_VOXEL_M)
+    _at(np.zeros((1, 2), dtype=np.int64), np.zeros(2, dtype=np.int64), np.zeros((1, 1)), 0.0)
 
 
 class SiteView:
@@ -79,12 +80,9 @@ class SiteView:
 
         It is negative where it was not. Points are in this cloud's frame [m], shape (N, 3).
         """
-        cells = self._cells(points_cloud) - self._plain[0]
-        clearances = self._clearances_m
-        inside = ((cells >= 0) & (cells < clearances.shape)).all(axis=1)
-        found = np.full(len(cells), -np.inf)
-        found[inside] = clearances[tuple(cells[inside].T)]
-        return found
+        return np.asarray(
+            _at(self._cells(points_cloud), self._plain[0], self._clearances_m, -np.inf)
+        )
 
     @cached_property
     def discs(self) -> tuple[Float, Float]:
@@ -111,11 +109,9 @@ class SiteView:
         [m], shape (N, 3).
         """
         low, _, tops = self._plain
-        cells = self._cells(points_cloud) - low
-        inside = ((cells >= 0) & (cells < tops.shape)).all(axis=1)
-        covered = np.full(len(cells), np.inf)
-        covered[inside] = tops[tuple(cells[inside].T)]
-        return np.asarray(self._levels(points_cloud) > covered + margin_m)
+        places = transform(self._T_level_cloud, points_cloud)
+        covered = _at(_cells_of(places), low, tops, np.inf)
+        return np.asarray(places[:, 2] > covered + margin_m)
 
     def share_on_plain_ground(self, points_cloud: Float) -> float:
         """Return which share of the cells under some points shows the ground and nothing on it.
@@ -123,9 +119,11 @@ class SiteView:
         Points are in this cloud's frame [m], shape (N, 3).
         """
         low, is_plain, _ = self._plain
-        cells = np.unique(self._cells(points_cloud), axis=0) - low
-        inside = ((cells >= 0) & (cells < is_plain.shape)).all(axis=1)
-        return float(is_plain[tuple(cells[inside].T)].sum() / max(len(cells), 1))
+        cells = self._cells(points_cloud) - low
+        width = np.ptp(cells[:, 1]) + 1 if len(cells) else 1
+        first = np.unique(cells[:, 0] * width + cells[:, 1], return_index=True)[1]
+        plain = _at(cells[first], np.zeros(2, dtype=np.int64), is_plain.astype(np.float64), 0.0)
+        return float(plain.sum() / max(len(first), 1))
 
     def relief_errors(self, ground_cloud: Float) -> Float:
         """Return by how much another ground is higher than this one [m], a value a square metre.
@@ -138,11 +136,24 @@ class SiteView:
         return np.asarray(theirs[others_rows] - heights[mine])
 
     def _cells(self, points_cloud: Float) -> Int:
-        places = transform(self._T_level_cloud, points_cloud)[:, :2]
-        return np.asarray(np.floor(places / _CELL_M).astype(np.int64))
+        return _cells_of(transform(self._T_level_cloud, points_cloud))
 
-    def _levels(self, points_cloud: Float) -> Float:
-        return transform(self._T_level_cloud, points_cloud)[:, 2]
+
+def _cells_of(places: Float) -> Int:
+    return np.asarray(np.floor(places[:, :2] / _CELL_M).astype(np.int64))
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _at(cells: Int, low: Int, values: Float, outside: float) -> Float:
+    """Return the values of cells, shape (N,), from a grid whose first cell is given (2,); those of
+    cells outside of it are given.
+    """
+    found = np.full(len(cells), outside)
+    for n in range(len(cells)):
+        i, j = cells[n, 0] - low[0], cells[n, 1] - low[1]
+        if 0 <= i < values.shape[0] and 0 <= j < values.shape[1]:
+            found[n] = values[i, j]
+    return found
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -11,7 +11,7 @@ No residual shows a smooth bend over the whole site, so its size is taken from t
 import numpy as np
 from executive_plugins.registration.similarity import Similarity, Surface, jacobian
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.messages.alignment import Uncertainty
 
 _CELL_M = 1.0  # edge of the cells whose residuals are one observation
@@ -43,17 +43,28 @@ def motion_uncertainty(
         surface.points[rows[paired]],
         surface.normals[rows[paired]],
     )
-    cells = np.unique(np.floor(points / _CELL_M).astype(np.int64), axis=0, return_inverse=True)[1]
+    cells = _cells_of(points)
     count = int(cells.max()) + 1 if len(cells) else 0
     if count < _LEAST_CELLS:
         return None
     centre = points.mean(axis=0)
     residuals = np.einsum("ij,ij->i", points - feet, normals)
     J = jacobian(points - centre, normals)
-    scores = np.zeros((count, 7))
-    np.add.at(scores, cells, J * residuals[:, None])
+    parts = (J * residuals[:, None]).T
+    scores = np.column_stack([np.bincount(cells, part, count) for part in parts])
     H = np.linalg.inv(J.T @ J + 1e-6 * np.eye(7))
     covariance = count / (count - 7) * H @ (scores.T @ scores) @ H
     radius_m = float(np.sqrt(((points - centre) ** 2).sum(axis=1).mean()))
     bends = np.diag(np.repeat([bend_m / radius_m, bend_m], 3) ** 2)
     return Uncertainty(0.5 * (covariance + covariance.T)[:6, :6] + bends, centre)
+
+
+def _cells_of(points: Float) -> Int:
+    """Return the number of each point's cell, from 0 in the order of x, then y, then z."""
+    if not len(points):
+        return np.zeros(0, dtype=np.int64)
+    cells = np.floor(points / _CELL_M).astype(np.int64)
+    cells -= cells.min(axis=0)
+    _, deep, high = cells.max(axis=0) + 1
+    keys = (cells[:, 0] * deep + cells[:, 1]) * high + cells[:, 2]
+    return np.asarray(np.unique(keys, return_inverse=True)[1])

@@ -18,7 +18,8 @@ def stones(*places: float) -> SimpleNamespace:
     for number, x in enumerate(places):
         points = np.array([[x - 0.5, 1.0, 0.0], [x + 0.5, 1.0, 0.0]])
         segments.append(Segment(number, points, points.mean(axis=0), np.ones(3)))
-    return SimpleNamespace(source=SimpleNamespace(segments=segments))
+    middles = np.empty((0, 3)), centroids(segments)
+    return SimpleNamespace(source=SimpleNamespace(segments=segments), middles=middles)
 
 
 def shifted(x_m: float, yaw_rad: float = 0.0, scale: float = 1.0) -> Similarity:
