@@ -56,13 +56,15 @@ def smooth(  # noqa: C901 - a call that hands the arrays on costs more than the 
         if not marks[c] & SMOOTH:
             continue
         marks[c] &= BIN
-        used = 0
-        for k in range(9):
+        lowest_n, end_n, used = first[c], first[c] + held[c], 0
+        while lowest_n < end_n and counts[lowest_n] < choice.least:
+            lowest_n += 1
+        for k in range(9 if lowest_n < end_n else 0):  # half of the columns have no occupied voxel
             beside = c + (k // 3 - 1) * across + k % 3 - 1
             if held[beside]:
                 starts[used], ends[used] = first[beside], first[beside] + held[beside]
                 used += 1
-        for n in range(first[c], first[c] + held[c]):
+        for n in range(lowest_n, end_n):
             if counts[n] < choice.least:
                 continue  # it gives no point
             here_x, here_y, here_z = means[n, 0], means[n, 1], means[n, 2]
