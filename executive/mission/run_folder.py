@@ -7,7 +7,7 @@ from pathlib import Path
 
 from executive.errors import ConfigError
 from executive.interfaces.report_file import REPORT
-from executive.mission.run_lock import RunLock
+from executive.mission.run_lock import LOCK, RunLock
 
 _RESERVE_BYTES = 2**18  # for a report, whose size grows with the number of picks
 
@@ -24,8 +24,8 @@ class RunFolder:
         """Make the folder; without a path, a new one under `runs/`.
 
         Raises:
-            ConfigError: If it holds a run already, another run writes into it, or it cannot be
-                made or written.
+            ConfigError: If it holds a run already, another run writes into it, it holds files that
+                no run has written and this one would write over, or it cannot be made or written.
         """
         folder = path or _fresh(mission)
         try:
@@ -34,6 +34,7 @@ class RunFolder:
             raise ConfigError(
                 f"the run folder {folder} cannot be made: {error.strerror}"
             ) from error
+        cls(folder)._refuse_strange_files()
         made = cls(folder, RunLock(folder))
         if made.journal.exists():
             made.release()
@@ -59,6 +60,25 @@ class RunFolder:
         if cls(path).dry_note.is_file():
             raise ConfigError(f"{path} is a dry run, which cannot be resumed: run it again")
         return cls(path, RunLock(path))
+
+    def _refuse_strange_files(self) -> None:
+        """Refuse a folder in which no run began, with files of names that a run writes or removes.
+
+        Raises:
+            ConfigError: If there are any; it names them.
+        """
+        if (self.path / LOCK).exists() or self.journal.exists():  # a run's own files
+            return
+        written = (
+            *(self.mission, self.options, self.values, self.kept, self.objects, self.map),
+            *(self.report, self.dry_note, self.log, self.recording, self._reserve),
+        )
+        strange = [path.name for path in written if path.exists()]
+        if strange:
+            raise ConfigError(
+                f"{self.path} is no run's folder and holds {', '.join(strange)}, which a run would "
+                "write over or remove; give a new folder as --run-dir"
+            )
 
     def give_room(self) -> None:
         """Free what was set aside for the report, should the disk be full."""

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from executive.errors import ConfigError
 
+LOCK = "lock"  # the file in a run's folder; it stays when the run has ended
+
 
 class RunLock:
     """Holds the lock of a folder until `release`, or until this process ends."""
@@ -16,7 +18,7 @@ class RunLock:
         Raises:
             ConfigError: If another run holds it, or the folder cannot be written.
         """
-        path = folder / "lock"
+        path = folder / LOCK
         try:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         except OSError as error:

@@ -33,6 +33,29 @@ def test_a_folder_with_a_run_is_refused_and_let_go(tmp_path: Path) -> None:
             RunFolder.create(tmp_path, "dry")
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["mission.yaml", "map.ply", "report.json", "objects.sqlite", "reserve", "values", "kept"],
+)
+def test_files_that_no_run_has_written_are_not_written_over(tmp_path: Path, name: str) -> None:
+    own = tmp_path / name
+    if name in ("values", "kept"):  # folders, which a run removes at its end
+        own.mkdir()
+    else:
+        own.write_text("a person's own work")
+    for _ in range(2):  # the refusal leaves nothing behind that makes the folder a run's
+        with pytest.raises(ConfigError, match=rf"is no run's folder and holds {name}, which a run"):
+            RunFolder.create(tmp_path, "dry")
+    assert list(tmp_path.iterdir()) == [own]
+    (tmp_path / "lock").write_text("7\n")  # a run that was killed before its journal began
+    RunFolder.create(tmp_path, "dry").release()
+
+
+def test_other_files_may_lie_in_the_folder_of_a_run(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("windy")
+    RunFolder.create(tmp_path, "dry").release()
+
+
 def test_a_folder_that_cannot_be_made_or_written_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
