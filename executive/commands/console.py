@@ -6,6 +6,7 @@ piped. A refusal is a ConfigError, which the command line turns into a message a
 
 import contextlib
 import json
+import os
 import shutil
 import sys
 from collections.abc import Sequence
@@ -45,12 +46,40 @@ def one_of(option: str, value: str, allowed: Sequence[str]) -> str:
     raise ConfigError(f"{option}: '{value}' is unknown{hint}")
 
 
-def check_output(option: str, path: Path | None, *suffixes: str) -> None:
+def check_output(
+    option: str, path: Path | None, *suffixes: str, read: Sequence[Path | None] = ()
+) -> None:
     """Refuse an output file that cannot be written, before anything is computed.
 
+    Args:
+        option: What it was given to, for messages.
+        path: The file; None if none is wanted.
+        suffixes: How its name may end.
+        read: Files that the command reads: an output never takes the place of one.
+
     Raises:
-        ConfigError: If its name ends otherwise, or its folder does not exist.
+        ConfigError: If its name ends otherwise, or `check_writable` refuses it.
     """
-    if path and (path.suffix.lower() not in suffixes or not path.parent.is_dir()):
+    if path is None:
+        return
+    if path.suffix.lower() not in suffixes or not path.parent.is_dir():
         kinds = " or ".join(suffixes)
         raise ConfigError(f"{option}: {path}: name a {kinds} file in a folder that exists")
+    check_writable(option, path, read)
+
+
+def check_writable(option: str, path: Path, read: Sequence[Path | None] = ()) -> None:
+    """Refuse an output file of any name that cannot be written, or that the command reads.
+
+    Raises:
+        ConfigError: If its folder does not exist, it is a folder, a file that is read, or must not
+            be written.
+    """
+    if not path.parent.is_dir():
+        raise ConfigError(f"{option}: {path}: name a file in a folder that exists")
+    if path.is_dir():
+        raise ConfigError(f"{option}: {path} is a folder; name a file")
+    if path.exists() and any(one and one.exists() and path.samefile(one) for one in read):
+        raise ConfigError(f"{option}: {path} is a file that is read; name another file")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise ConfigError(f"{option}: {path} cannot be written: permission denied")

@@ -15,6 +15,26 @@ from executive.estimate.odometry_file import write_states
 from executive.estimate.plot import plot
 
 
+def names_of(out: Path, exports: Sequence[Path], *, is_smoothed: bool) -> tuple[Path, ...]:
+    """Return the paths of all files: trajectories in map and odometry, report, plot, the smoothed
+    trajectory if there is one, and `exports`.
+
+    Raises:
+        ConfigError: If two of them would have the same name.
+    """
+    smoothed = (out.with_name(f"{out.stem}_smoothed{out.suffix}"),) if is_smoothed else ()
+    beside = (out.with_name(f"{out.stem}_odom{out.suffix}"), out.with_suffix(".json"))
+    paths = (out, *beside, out.with_suffix(".png"), *smoothed)
+    if len(set(paths)) < len(paths):
+        raise ConfigError(
+            f"--out {out}: .json and .png are the names of report and plot; use .tum instead"
+        )
+    for number, path in enumerate(exports):
+        if path in paths or path in exports[:number]:
+            raise ConfigError(f"--export {path}: another file of this command has that name")
+    return (*paths, *exports)
+
+
 def write_files(
     out: Path, material: Material, estimated: Estimated, exports: Sequence[Path] = ()
 ) -> tuple[Path, ...]:
@@ -29,16 +49,7 @@ def write_files(
     Raises:
         ConfigError: If they cannot be written, or two of them would have the same name.
     """
-    paths: tuple[Path, ...] = (
-        out,
-        out.with_name(f"{out.stem}_odom{out.suffix}"),
-        out.with_suffix(".json"),
-        out.with_suffix(".png"),
-    )
-    if len(set(paths)) < len(paths):
-        raise ConfigError(
-            f"--out {out}: .json and .png are the names of report and plot; use .tum instead"
-        )
+    paths = names_of(out, exports, is_smoothed=estimated.reference is not None)
     track, origin_s = estimated.track, 1e-9 * material.log.origin_ns
     try:
         _write_tum(paths[0], origin_s + track.stamps_s, track.T_map_base)
@@ -48,13 +59,12 @@ def write_files(
         paths[2].write_text(json.dumps(estimated.report, indent=2) + "\n", encoding="utf-8")
         plot(paths[3], estimated, material.drops)
         if estimated.reference is not None:
-            paths = (*paths, out.with_name(f"{out.stem}_smoothed{out.suffix}"))
             _write_tum(
-                paths[-1], origin_s + estimated.reference.stamps_s, estimated.reference.T_map_base
+                paths[4], origin_s + estimated.reference.stamps_s, estimated.reference.T_map_base
             )
     except OSError as error:
         raise ConfigError(f"{error.filename} cannot be written: {error.strerror}") from error
-    return (*paths, *exports)
+    return paths
 
 
 def _write_tum(path: Path, stamps_s: Float, poses: Float) -> None:

@@ -152,7 +152,7 @@ def test_shares_and_fractions_as_intensities_are_told(
         ("1 2 3 4 256", "a.pcd", (), "a.ply: a value of 'red' is not within 0 to 255"),
         ("1 2 3 4 nan", "a.pcd", (), "a.ply: a value of 'red' is not within 0 to 255"),
         ("1 2 3 4 10", "a.xyz", (), "name a .ply or .pcd or .las or .laz file"),
-        ("1 2 3 4 10", "a.ply", (), "is the cloud that is read; name another file"),
+        ("1 2 3 4 10", "a.ply", (), "is a file that is read; name another file"),
         ("1 2 3 4 10", "a.las", ("--crop", "9,9,1"), "--crop: no point is in 9,9,1"),
         ("1 2 3 4 10", "a.las", ("--pose", "1,2"), "--pose: '1,2' holds 2 numbers"),
         ("1 2 3 4 10", "a.las", ("--crs", "EPSG:99999"), "cannot hold the code EPSG:99999"),

@@ -83,7 +83,7 @@ def test_what_cannot_be_said_is_listed_and_nothing_is_written(run: Any) -> None:
         (("patrol.xml", "--extends", "bse"), "error: --extends: 'bse' is no file and no shipped"),
         (
             ("patrol.xml", "--out", "no/folder.yaml"),
-            "error: --out: no/folder.yaml cannot be written",
+            "error: --out: no/folder.yaml: name a file in a folder",
         ),
     ],
 )

@@ -58,7 +58,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, *WRITTEN)
+    check_output("--out", out, *WRITTEN, read=(source, target))
     check_view(view)
     T_guess, scale = read_guess(guess)
     choices = Choices(("alignment",), settings(set_, alignment=method))

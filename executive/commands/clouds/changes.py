@@ -49,7 +49,7 @@ def changes(
     from executive.commands.clouds.guess import read_guess
     from executive.geometry.pose import transform
 
-    check_output("--out", out, ".ply")
+    check_output("--out", out, ".ply", read=(earlier, later))
     T_earlier_later, scale = read_guess(guess)
     before = read_site(earlier)
     after = transform(T_earlier_later, scale * read_site(later))

@@ -9,7 +9,6 @@ import typer
 
 from executive.commands.console import answer, check_output, say
 from executive.commands.options import CloudArgument, JsonOption
-from executive.errors import ConfigError
 
 if TYPE_CHECKING:
     from executive.clouds.file_cloud import FileCloud
@@ -56,9 +55,7 @@ def convert(
     from executive.commands.clouds.crop import Crop
     from executive.commands.clouds.guess import read_guess
 
-    check_output("OUT", out, *WRITTEN)
-    if out.exists() and cloud.exists() and out.samefile(cloud):
-        raise ConfigError(f"OUT: {out} is the cloud that is read; name another file")
+    check_output("OUT", out, *WRITTEN, read=(cloud,))
     area = Crop(crop)
     T, scale = read_guess(pose, "--pose")
     whole = read_cloud(cloud)

@@ -44,7 +44,7 @@ def register(
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, *WRITTEN)
+    check_output("--out", out, *WRITTEN, read=(source, target))
     check_view(view)
     choices = Choices(("registration",), settings(set_, registration=method))
     with chosen(Registrar, choices) as registrar:

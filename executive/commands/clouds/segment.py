@@ -69,7 +69,7 @@ def segment(
     area = Crop(crop)
     check_view(view)
     if not cloud.is_dir():
-        check_output("--out", out, *WRITTEN)
+        check_output("--out", out, *WRITTEN, read=(cloud,))
     elif view:
         raise ConfigError("--view: shows one cloud; name a file of the folder")
     elif as_json:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from executive.commands.console import answer, one_of, say
+from executive.commands.console import answer, check_writable, one_of, say
 from executive.commands.logs.options import (
     ODOMETRY,
     CalibrationOption,
@@ -77,7 +77,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
 
     from executive.estimate.calibration import read_calibration
     from executive.estimate.estimator_run import estimate as run_estimator
-    from executive.estimate.files import write_files
+    from executive.estimate.files import names_of, write_files
     from executive.estimate.material import Material
     from executive.estimate.odometry_file import check_format
     from executive.estimate.options import EstimateOptions, log_choices
@@ -86,8 +86,12 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     from executive.estimate.trajectory import read_trajectory
 
     one_of("--align", align, ALIGNMENTS)
-    for path in export or ():
+    exports = export or ()
+    for path in exports:
         check_format(path)
+    for path in names_of(out, exports, is_smoothed=batch):
+        option = "--export" if path in exports else "--out"
+        check_writable(option, path, (log, score, calibration))
     reference = None if score is None else read_trajectory(score, score_topic)
     wanted = settings(set_, estimation=estimator, odometry=odometry)
     plugins = log_choices(wanted, odometry=ODOMETRY)
@@ -102,7 +106,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
         estimated = with_reference(material, estimated, _SMOOTHER)
     if reference is not None:
         estimated = with_score(material, estimated, reference, align)
-    paths = write_files(out, material, estimated, export or ())
+    paths = write_files(out, material, estimated, exports)
     states = len(estimated.track.stamps_s)
     say(f"{name} on {log}: {states} states, {', '.join(map(str, paths))}")
     if reference is not None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from executive.commands.console import answer, say
+from executive.commands.console import answer, check_writable, say
 from executive.commands.options import JsonOption
 from executive.errors import ConfigError
 
@@ -38,6 +38,8 @@ def import_mission(
 
     if extends and find(extends) is None:
         raise ConfigError(f"--extends: '{extends}' is no file and no shipped mission")
+    if out is not None:
+        check_writable("--out", out, (file,))
     found = imported(file)
     document = found.document
     if extends:
@@ -50,7 +52,7 @@ def import_mission(
     elif out is None:
         print(yaml_text(document), end="")
     else:
-        _write(out, yaml_text(document))
+        out.write_text(yaml_text(document), encoding="utf-8")
         count = len(document["trees"])
         say(f"{out}: {count} tree{'s' if count > 1 else ''}; `executive check {out}` checks them")
 
@@ -70,10 +72,3 @@ def imported(file: Path) -> "Imported":
         raise ConfigError(f"{file} cannot be read: {error}") from error
     name = "".join(letter if letter.isalnum() else "_" for letter in file.stem) or "imported"
     return from_xml(text, str(file), InstalledCatalogue(), name)
-
-
-def _write(out: Path, text: str) -> None:
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"--out: {out} cannot be written: {error}") from error
