@@ -50,6 +50,8 @@ _DAMAGED = (
     MemoryError,
 )
 
+_MCAP = b"\x89MCAP"  # how such a file begins, whatever its name is
+_KINDS = "give an .mcap file, a .bag file, or a ROS 2 bag's folder"
 _REPAIR_OF_BAGS = " by `rosbag reindex` (ROS 1) or `ros2 bag reindex` (ROS 2)"
 
 
@@ -81,15 +83,17 @@ class LogSource:
         """Open a log and read its topics.
 
         Raises:
-            DataError: If it does not exist or cannot be read; the message gives the reason.
+            DataError: If it does not exist, is no log, or cannot be read; the message gives the
+                reason.
         """
         if not path.exists():
-            raise DataError(
-                f"{path}: no such log; give an .mcap file, a .bag file, or a ROS 2 bag's folder"
-            )
+            raise DataError(f"{path}: no such log; {_KINDS}")
         self.path = path
-        self._is_mcap = path.suffix == ".mcap"
+        self._is_mcap = path.suffix.lower() == ".mcap"
         with self._explained():
+            self._is_mcap = self._is_mcap or _begins_as_mcap(path)
+            if not self._is_mcap and not _may_be_bag(path):
+                raise DataError(f"{path}: neither an MCAP file nor a bag; {_KINDS}")
             self._contents = self._mcap_contents() if self._is_mcap else Contents()
             self.types: Mapping[str, str] = (
                 self._mcap_types() if self._is_mcap else self._bag_types()
@@ -184,6 +188,21 @@ class LogSource:
             f"{self.path}: a message on {topic} is not a valid {self.types[topic]}: "
             f"{type(error).__name__} {error}"
         )
+
+
+def _begins_as_mcap(path: Path) -> bool:
+    if path.is_dir():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_MCAP)) == _MCAP
+
+
+def _may_be_bag(path: Path) -> bool:
+    """Return whether a path looks like a bag, whole or damaged: its readers go by names."""
+    if path.is_dir():
+        stored = any(one.suffix in (".db3", ".mcap") for one in path.iterdir())
+        return stored or (path / "metadata.yaml").exists()
+    return path.suffix in (".bag", ".db3")
 
 
 def _full_name(name: str) -> str:

@@ -49,6 +49,17 @@ def begun(monkeypatch):
     return begin
 
 
+@pytest.mark.parametrize("log", ["drive.bag", "nowhere/drive.mcap"])
+def test_a_log_that_cannot_be_recorded_is_refused_before_the_run_has_a_folder(
+    log, monkeypatch, capsys, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    words = ("run", "map_site", "--run-dir", "r", "--record-log", log)
+    assert executive(monkeypatch, *words) == 2
+    told = f"error: --record-log: {log}: name a .mcap file in a folder that exists\n"
+    assert (capsys.readouterr().err, list(tmp_path.iterdir())) == (told, [])
+
+
 def test_without_options_the_mission_runs_as_it_is(begun):
     found = begun()
     assert found.loaded == [("yard", [], {"is_for_here": True})]

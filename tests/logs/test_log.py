@@ -221,6 +221,32 @@ def test_a_missing_log_is_refused():
         Log(Path("nowhere.mcap"), Topics())
 
 
+@pytest.mark.parametrize("name", ["a.MCAP", "a.bag", "a.log", "a"])
+def test_an_mcap_file_is_known_by_how_it_begins(name, ros2, car, write_mcap, tmp_path):
+    path = write_mcap(tmp_path / "a.mcap", ros2, car(ros2, 0.2))
+    expected = len(read(path))
+    assert len(read(path.rename(tmp_path / name))) == expected > 10
+
+
+@pytest.mark.parametrize("kind", ["text", "folder"])
+def test_what_is_no_log_is_not_called_a_damaged_one(kind, tmp_path):
+    path = tmp_path / kind
+    if kind == "folder":
+        path.mkdir()
+        (path / "mission.yaml").write_text("api: 1\n")
+    else:
+        path.write_text("1 2 3\n")
+    with pytest.raises(DataError, match=r"neither an MCAP file nor a bag; give an \.mcap file"):
+        Log(path, Topics())
+
+
+def test_a_bag_whose_recorder_was_killed_is_told_how_to_be_repaired(ros2, car, write_bag, tmp_path):
+    path = write_bag(tmp_path / "a", ros2, car(ros2, 0.2))
+    (path / "metadata.yaml").unlink()
+    with pytest.raises(DataError, match=r"damaged log: Expected metadata .*`ros2 bag reindex"):
+        Log(path, Topics())
+
+
 @pytest.mark.parametrize("value", [float("nan"), 3.0])
 def test_a_static_transform_that_is_none_is_refused_by_name(value, ros2, car, write_mcap, tmp_path):
     messages = list(car(ros2, 0.2))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from executive.commands.console import one_of, say
+from executive.commands.console import check_output, one_of, say
 from executive.commands.missions.dry import DEFAULT_FAILURES, Asked, Draws, Wanted, run_dry
 from executive.commands.missions.run_options import (
     AnswerOption,
@@ -110,6 +110,7 @@ def run(  # noqa: PLR0913 - the options of the command line, each a parameter to
     _refuse(_OF_DRY, given, "it belongs to --dry")
     if runner is not None:
         one_of("--runner", runner, _RUNNERS)
+    check_output("--record-log", record_log, ".mcap")
     watched = watchers(groot=groot, groot_port=groot_port, live=live, live_port=live_port)
     with startable():
         from executive.mission.options import Options
