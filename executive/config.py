@@ -2,10 +2,13 @@
 
 import math
 import re
+import types
+import typing
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+from pydantic.fields import FieldInfo
 
 
 class Settings(BaseModel):
@@ -48,27 +51,28 @@ def parse_quantity(value: Any, dimension: str) -> float:
     """
     if isinstance(value, bool) or value is None:
         got = "nothing" if value is None else str(value).lower()
-        raise ValueError(f"expected {_expected(dimension)}, got {got}")
+        raise ValueError(f"expected {expected(dimension)}, got {got}")
     if isinstance(value, int | float):
         try:
             return float(value)
         except OverflowError:
             digits = int(math.log10(abs(value))) + 1
             raise ValueError(
-                f"expected {_expected(dimension)}, got a number of {digits} digits"
+                f"expected {expected(dimension)}, got a number of {digits} digits"
             ) from None
     match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
     if match is None:
-        raise ValueError(f"expected {_expected(dimension)}, got {value!r}")
+        raise ValueError(f"expected {expected(dimension)}, got {value!r}")
     number, unit = match.groups()
     if unit not in UNITS[dimension]:
         raise ValueError(
-            f"'{unit}' is not a unit of {dimension}; expected {_expected(dimension)}, got {value!r}"
+            f"'{unit}' is not a unit of {dimension}; expected {expected(dimension)}, got {value!r}"
         )
     return float(number) * UNITS[dimension][unit]
 
 
-def _expected(dimension: str) -> str:
+def expected(dimension: str) -> str:
+    """Say in which units a quantity of a dimension is given: "a time (a number in s, …)"."""
     units = list(UNITS[dimension])
     article = "an" if dimension.startswith("a") else "a"
     return f"{article} {dimension} (a number in {units[0]}, or with a unit: {', '.join(units)})"
@@ -81,10 +85,24 @@ class Quantity:
     dimension: str
 
 
+def marks_of(field: FieldInfo) -> tuple[Any, ...]:
+    """Return what annotates a field, and the members of its union, as in `Meters | None`."""
+    kind = field.annotation
+    if typing.get_origin(kind) not in (typing.Union, types.UnionType):
+        return tuple(field.metadata)
+    annotated = [one for one in typing.get_args(kind) if typing.get_origin(one) is Annotated]
+    return (*field.metadata, *(mark for one in annotated for mark in typing.get_args(one)[1:]))
+
+
+def dimension_of(field: FieldInfo) -> str:
+    """Return the dimension of a field of settings; empty if it is no quantity."""
+    return next((one.dimension for one in marks_of(field) if isinstance(one, Quantity)), "")
+
+
 def _quantity(dimension: str) -> Any:
     schema = {
         "anyOf": [{"type": "number"}, {"type": "string"}],
-        "description": _expected(dimension),
+        "description": expected(dimension),
     }
     return (
         Quantity(dimension),

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
-from executive.config import Settings
+from executive.config import Settings, dimension_of, expected
 from executive.errors import ConfigError, did_you_mean
 from executive.tree.problem import Mark, Problems
 from executive.tree.value import Broken, Listing, Scalar, Table, Value, describe, has_broken, plain
 
 S = TypeVar("S", bound=Settings)
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 
 def check_settings(
@@ -136,18 +138,42 @@ def _sentence(settings: type[Settings], owner: str, finding: Any, place: PlaceOf
     message = message[:1].lower() + message[1:]
     is_told = "got " in message or not isinstance(place.value, Scalar | Listing)
     got = "" if is_told else f", got {describe(place.value)}"
-    return f"{f'{where}: ' if where else ''}{message}{got}"
+    unit = _unit_meant(settings, finding["type"], place)
+    return f"{f'{where}: ' if where else ''}{message}{got}{unit}"
+
+
+def _unit_meant(settings: type[Settings], kind: str, place: PlaceOf) -> str:
+    """Say in which units a quantity is given, if one out of its bounds was given as a number."""
+    value = place.value.value if isinstance(place.value, Scalar) else None
+    if kind not in _BOUNDS or isinstance(value, str | bool) or not value:  # 0 is 0 in any unit
+        return ""
+    steps = [step for step in place.path if not step.isdigit()]
+    field = _field(settings, steps)
+    dimension = dimension_of(field) if field else ""
+    return f"; expected {expected(dimension)}" if dimension else ""
+
+
+def _field(settings: type[BaseModel], path: Sequence[str]) -> FieldInfo | None:
+    """Return the field at a path, if it is one of settings within settings."""
+    model = _model_at(settings, path[:-1])
+    return None if model is None else model.model_fields.get(path[-1])
 
 
 def _fields(settings: type[BaseModel], path: Sequence[str]) -> list[str]:
     """Return the names of the fields of the settings at a path."""
+    model = _model_at(settings, path)
+    return [] if model is None else list(model.model_fields)
+
+
+def _model_at(settings: type[BaseModel], path: Sequence[str]) -> type[BaseModel] | None:
+    """Return the settings class at a path."""
     model: Any = settings
     for step in path:
         field = None if step.isdigit() else model.model_fields.get(step)
         model = _model_in(field.annotation) if field else model
         if model is None:
-            return []
-    return list(model.model_fields)
+            return None
+    return cast(type[BaseModel], model)
 
 
 def _model_in(annotation: Any) -> Any:

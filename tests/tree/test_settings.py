@@ -2,12 +2,12 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import pytest
 from pydantic import Field, model_validator
 
-from executive.config import Meters, Settings
+from executive.config import Meters, Radians, Settings
 from executive.tree.document import read_text
 from executive.tree.problem import Problems
 from executive.tree.settings import check_settings, settings_dump
@@ -21,6 +21,8 @@ class Colour(StrEnum):
 class Camera(Settings):
     name: str
     height_m: Meters = Field(1.0, gt=0)
+    turn: Annotated[Radians, Field(le=7)] | None = None
+    lens: int = Field(1, ge=1)
 
 
 class Box(Settings):
@@ -105,6 +107,31 @@ def test_a_mistake_is_told_once_where_it_stands(text: str, told: list[str]) -> N
     checked, problems = check(text)
     assert checked is None
     assert problems == told
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "turn: 120",
+            "turn: input should be less than or equal to 7, got 120; expected an angle (a number "
+            "in rad, or with a unit: rad, deg)",
+        ),
+        (
+            "height_m: -3",
+            "height_m: input should be greater than 0, got -3; expected a length (a number in m, "
+            "or with a unit: m, cm, mm, km)",
+        ),
+        ("turn: 900 deg", "turn: input should be less than or equal to 7, got '900 deg'"),
+        ("height_m: 0", "height_m: input should be greater than 0, got 0"),
+        ("lens: -1", "lens: input should be greater than or equal to 1, got -1"),
+    ],
+)
+def test_a_number_out_of_bounds_is_told_its_unit(text: str, told: str) -> None:
+    """A person who writes 120 for an angle means degrees."""
+    for wrapped in (f"camera: {{name: a, {text}}}", f"cameras: [{{name: a, {text}}}]"):
+        _, (problem,) = check(wrapped)
+        assert problem.partition("camera.")[2] == told or problem.partition("cameras.0.")[2] == told
 
 
 def test_what_could_not_be_read_is_not_told_twice() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from executive.arrays import Float
-from executive.config import UNITS, Quantity
+from executive.config import UNITS, dimension_of, marks_of
 from executive.events.event import plain
 
 _NAMES = {object: "any", float: "number", int: "whole number", str: "text", bool: "true or false"}
@@ -41,10 +41,8 @@ def type_words(kind: Any) -> str:
 
 def dimension_words(info: FieldInfo) -> tuple[str, str]:
     """Return a field's dimension and the unit of a plain number; empty if it is no quantity."""
-    for one in (*info.metadata, *_nested(info.annotation)):
-        if isinstance(one, Quantity):
-            return one.dimension, next(iter(UNITS[one.dimension]))
-    return "", ""
+    dimension = dimension_of(info)
+    return (dimension, next(iter(UNITS[dimension]))) if dimension else ("", "")
 
 
 def default_words(info: FieldInfo) -> str:
@@ -58,18 +56,10 @@ def default_words(info: FieldInfo) -> str:
 def bounds_words(info: FieldInfo) -> str:
     """Return a field's limits; empty if it has none."""
     found = []
-    for constraint in (*info.metadata, *_nested(info.annotation)):
+    for constraint in marks_of(info):
         for key, sign in _SIGNS.items():
             if getattr(constraint, key, None) is not None:
                 found.append(f"{sign} {getattr(constraint, key):.4g}")
         if getattr(constraint, "min_length", None):
             found.append(f"at least {constraint.min_length}")
     return ", ".join(found)
-
-
-def _nested(kind: Any) -> tuple[Any, ...]:
-    """Return what annotates the members of a union, as in `Meters | None`."""
-    if typing.get_origin(kind) not in (typing.Union, types.UnionType):
-        return ()
-    annotated = [one for one in typing.get_args(kind) if typing.get_origin(one) is typing.Annotated]
-    return tuple(mark for one in annotated for mark in typing.get_args(one)[1:])
