@@ -10,6 +10,8 @@ from executive.events.mission import Fault
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "troubleshooting.md").read_text(encoding="utf-8")
+EVENTS = (ROOT / "docs" / "journal_events.md").read_text(encoding="utf-8")
+KINDS = set(re.findall(r"^### (\w+)$", EVENTS, re.M))
 QUOTED = [
     message
     for row in re.findall(r"^\| (.*?) \| ", PAGE, re.M)
@@ -56,3 +58,11 @@ def test_a_message_of_the_page_is_in_the_code(message: str, code: str) -> None:
 def test_the_message_of_a_fault_is_put_together_as_the_page_says() -> None:
     fault = Fault("CAPABILITY plugin 'NAME'", "", "", "VERB", "", "EXCEPTION", "FILE:LINE", "")
     assert f"`{fault.summary}`" in PAGE
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda page: page.stem)
+def test_an_event_that_a_page_names_is_one_of_the_journal(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    named = re.findall(r"journal's (?:last )?(?:events? )?`(\w+)`|`(\w+)` events?\b", text)
+    named += re.findall(r"\b[Ee]vents? `(\w+)`()", text)
+    assert {one or other for one, other in named} <= KINDS
