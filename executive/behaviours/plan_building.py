@@ -105,6 +105,10 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         standing += adopted
         free = [one for one in stones if one.state is StoneState.ON_GROUND
                 and one not in adopted and for_stone in (None, one.id)]  # fmt: skip
+        if for_stone is not None and not free:
+            state = next((one.state.value for one in stones if one.id == for_stone), "unknown")
+            told = f"stone {for_stone} cannot be placed: it is {state}, not on the ground"
+            return failed(told, is_final=True)
         as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
         plan = yield from self.context.job(
@@ -115,7 +119,7 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         )
         if not plan.targets and for_stone is not None:
             told = f"stone {for_stone} has no other place: {plan.reason}"
-            return failed(told, is_final=True)  # or nobody knows where it is: it is not attempted
+            return failed(told, is_final=True)
         if not plan.targets:
             told = plan.detail or "no place holds any stone"
             return self._over(structure, str(plan.reason), told, standing, plan.refused)

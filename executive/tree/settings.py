@@ -148,7 +148,7 @@ def _unit_meant(settings: type[Settings], kind: str, place: PlaceOf) -> str:
     if kind not in _BOUNDS or isinstance(value, str | bool) or not value:  # 0 is 0 in any unit
         return ""
     steps = [step for step in place.path if not step.isdigit()]
-    field = _field(settings, steps)
+    field = _field(settings, steps) if steps else None
     dimension = dimension_of(field) if field else ""
     return f"; expected {expected(dimension)}" if dimension else ""
 

@@ -152,6 +152,15 @@ def test_one_stone_without_a_place_does_not_end_the_structure(stage, database):
     assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
 
 
+def test_a_stone_that_is_lost_is_not_planned(stage, database):
+    database.set_state(2, StoneState.LOST, 5.0)
+    stand, planner = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
+    assert (ended.status, ended.is_final) == ("FAILURE", True)
+    assert ended.reason == "stone 2 cannot be placed: it is lost, not on the ground"
+    assert planner.calls("propose") == []
+
+
 def test_a_stone_that_was_not_seen_since_its_release_makes_the_map_stale(stage, database):
     set_down(database, 1, (-5.0, 6.0, 0.0), is_seen=False)
     stand, planner = on_stage(stage, database, NOTHING)
