@@ -37,7 +37,8 @@ def check_settings(
         checked = settings.model_validate_json(json.dumps(plain(table)), strict=True)
     except ValidationError as error:
         told: set[Mark] = set()
-        known = [one for one in error.errors(include_url=False) if not _waits(one, computed)]
+        findings = _first_to_mend(error.errors(include_url=False))
+        known = [one for one in findings if not _waits(one, computed)]
         if not known and not has_broken(table):
             partial: Any = settings.model_construct(**plain(table))
             return cast(S, partial)
@@ -69,6 +70,17 @@ def computed_settings(
         raise ConfigError(
             f"{owner} refuses its settings: {'; '.join(dict.fromkeys(told))}"
         ) from None
+
+
+def _first_to_mend(findings: Sequence[Any]) -> list[Any]:
+    """Leave out that a list is too short where items are wrong: only good ones were counted."""
+    places = [one["loc"] for one in findings]
+
+    def is_due_to_items(one: Any) -> bool:
+        own = one["loc"]
+        return any(len(place) > len(own) and place[: len(own)] == own for place in places)
+
+    return [one for one in findings if one["type"] != "too_short" or not is_due_to_items(one)]
 
 
 def _waits(finding: Any, computed: Collection[str]) -> bool:

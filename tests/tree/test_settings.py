@@ -43,6 +43,7 @@ class All(Settings):
     limits: dict[str, float] = Field(default_factory=dict)
     shape: Box | Ball | None = Field(None, discriminator="kind")
     number: int | Literal["auto"] = "auto"
+    line_m: tuple[tuple[Meters, Meters], ...] = Field(((0.0, 0.0), (1.0, 0.0)), min_length=2)
     low: float = 0.0
     high: float = 1.0
 
@@ -100,6 +101,10 @@ def test_good_settings_are_taken_and_come_back_when_written_out(text: str) -> No
         ("low: .inf", ["f:1:6: error: low: input should be a finite number, got inf"]),
         ("low: true", ["f:1:6: error: low: input should be a valid number, got true"]),
         ("low: '1'", ["f:1:6: error: low: input should be a valid number, got '1'"]),
+        ("line_m: [[1, 2], [3 ft, 4]]", ["f:1:19: error: line_m.1.0: 'ft' is not a unit of length; "
+         "expected a length (a number in m, or with a unit: m, cm, mm, km), got '3 ft'"]),
+        ("line_m: [[1, 2]]", ["f:1:9: error: line_m: tuple should have at least 2 items after "
+         "validation, not 1, got a list"]),
         ("low: 3", ["f:1:1: error: low must not be above high"]),
     ],
 )  # fmt: skip
