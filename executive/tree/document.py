@@ -19,6 +19,7 @@ from executive.tree.scalar import SurpriseError, resolve
 from executive.tree.value import Broken, Listing, Scalar, Table, TableEntry, Value
 
 _MAX_BYTES = 10_000_000
+_FIRST = {"structure": "structure: wall", "machine": "name: NAME"}  # files without a version
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 # Messages of libyaml, and what a reader who does not know its grammar is shown instead.
@@ -65,7 +66,7 @@ def read_file(path: Path, name: str, problems: Problems, kind: str = "mission") 
         path: The file.
         name: What messages call it.
         problems: Takes the mistakes.
-        kind: What the file describes: a mission, a campaign.
+        kind: What the file describes: a mission, a campaign, a structure.
     """
     try:
         with path.open("rb") as file:
@@ -119,7 +120,8 @@ def read_text(text: str, name: str, problems: Problems, kind: str = "mission") -
         problems.error(Mark(name), f"not YAML: {' '.join(str(error).split())}")
         return None
     if document is None:
-        problems.error(Mark(name, 1, 1), f"the file is empty; a {kind} begins with 'api: 1'")
+        first = _FIRST.get(kind, "api: 1")
+        problems.error(Mark(name, 1, 1), f"the file is empty; a {kind} begins with '{first}'")
     return document
 
 

@@ -135,3 +135,14 @@ def test_a_folder_a_missing_file_and_a_huge_one_are_errors(tmp_path: Path) -> No
     assert told[2] == "f: error: more than 10,000,000 bytes: this is no mission file"
     assert told[3] == "f: error: cannot be read: embedded null byte"
     assert told[4] == "f: error: cannot be read: File name too long"
+
+
+@pytest.mark.parametrize(
+    ("kind", "first"),
+    [("mission", "api: 1"), ("campaign", "api: 1"), ("structure", "structure: wall")],
+)
+def test_an_empty_file_is_told_how_one_of_its_kind_begins(kind: str, first: str) -> None:
+    problems = Problems()
+    assert read_text("# nothing yet", "f", problems, kind) is None
+    (problem,) = problems.all()
+    assert str(problem) == f"f:1:1: error: the file is empty; a {kind} begins with '{first}'"
