@@ -31,6 +31,7 @@ def test_a_trial_is_told_written_and_judged(
     monkeypatch.setattr(
         "executive.commands.walls.judging.verdict_of", lambda one, name: {"stands": 0.5, "n": 3}
     )
+    monkeypatch.setattr("executive.commands.walls.judging.judges", lambda: ("a_judge",))
     drawn: list[Any] = []
 
     def draw(*given: Any) -> list[str]:
@@ -75,3 +76,11 @@ def test_a_trial_is_told_written_and_judged(
 def test_pictures_need_a_folder_that_is_there(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"--pictures: .*none: name a folder that exists"):
         place_verb.place(Path("stones"), Path("wall.yaml"), pictures=tmp_path / "none")
+
+
+def test_a_judge_that_is_not_there_is_refused_before_anything_is_built(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(place_verb, "_built", lambda *given: pytest.fail("it was built"))
+    with pytest.raises(ConfigError, match=r"--judge: 'rigid_stone' is unknown\. Did you mean 'rig"):
+        place_verb.place(Path("stones"), Path("wall.yaml"), judge="rigid_stone")

@@ -10,6 +10,11 @@ from executive.messages.building import AsBuilt
 JUDGES = "judge"
 
 
+def judges() -> tuple[str, ...]:
+    """Return the names of the judges that are installed."""
+    return registry.names(JUDGES)
+
+
 def verdict_of(built: AsBuilt, name: str) -> Mapping[str, Any]:
     """Return a judge's figures; the judge's process is started afresh."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from executive.commands.console import answer, check_output, say
+from executive.commands.console import answer, check_output, one_of, say
 from executive.commands.options import JsonOption, SeedOption, SetOption, settings
 from executive.errors import ConfigError
 from executive.extras import require_extra
@@ -50,9 +50,10 @@ def place(  # noqa: PLR0913 - the options of the command line, each a parameter 
     Example: executive place scans/ wall.yaml --pictures out/ --out wall.json
     """
     from executive.commands.walls.construction import answer_of
-    from executive.commands.walls.judging import verdict_of
+    from executive.commands.walls.judging import judges, verdict_of
 
     check_output("--out", out, ".json")
+    one_of("--judge", judge, ("none", *judges()))
     if pictures:
         require_extra("--pictures", "viewing")
         if not pictures.is_dir():
