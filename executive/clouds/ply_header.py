@@ -140,7 +140,13 @@ def _header(path: Path) -> tuple[str, int]:
         beginning = file.read(_LONGEST_HEADER)
     end = beginning.find(b"end_header")
     stop = beginning.find(b"\n", end)
-    if not beginning.startswith(b"ply") or end < 0 or stop < 0:
+    is_whole = end >= 0 and stop >= 0
+    if beginning.startswith(b"ply") and not is_whole and len(beginning) == _LONGEST_HEADER:
+        raise DataError(
+            f"{path}: its header does not end within {_LONGEST_HEADER:,} bytes; export it again "
+            "without long comments"
+        )
+    if not beginning.startswith(b"ply") or not is_whole:
         raise DataError(
             f"{path}: not a PLY file: it lacks a header from 'ply' to 'end_header'; export it again"
         )

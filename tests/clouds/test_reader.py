@@ -94,6 +94,7 @@ def test_refuses_coordinates_beyond_any_grid(tmp_path: Path) -> None:
     [
         ("empty.ply", b"", "lacks a header from 'ply' to 'end_header'"),
         ("noise.ply", bytes(range(256)) * 9, "lacks a header"),
+        ("long.ply", b"ply\n" + b"comment a\n" * 7000 + b"end_header\n", "not end within 65,536"),
         ("faces.ply", b"ply\nformat ascii 1.0\nelement face "
 b"0\nend_header\n", "no vertices with x, y and z"),
         ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex "
