@@ -10,7 +10,6 @@ from executive.commands.logs.options import (
     ODOMETRY,
     LogArgument,
     MachineOption,
-    OdometryOption,
     TopicOption,
 )
 from executive.commands.options import JsonOption, settings
@@ -24,7 +23,10 @@ def calibrate(
     out: Annotated[Path, typer.Option(help="The calibration file (.yaml) that is written.")],
     topic: TopicOption = None,
     machine: MachineOption = None,
-    odometry: OdometryOption = None,
+    odometry: Annotated[
+        str | None,
+        typer.Option(help=f"Plugin that measures motion by lidar scans; {ODOMETRY} by default."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find clocks, mounting and noise of sensors.
