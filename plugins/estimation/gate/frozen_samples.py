@@ -2,12 +2,16 @@
 
 from executive.messages.imu import ImuSample
 
+# No gyroscope resolves such rates [rad/s]: one that shows them has no noise, and is at rest.
+_NO_RATE_RAD_S = 1e-9
+
 
 class FrozenSamples:
     """How long a sensor that has noise has shown none.
 
-    Six values of a live sensor do not repeat to the bit. A sensor that never varied, such as one
-    that is simulated without noise at rest, is not judged.
+    Six values of a live sensor do not repeat to the bit. A sensor that never varied is not judged,
+    nor one that is simulated without noise, at rest: it feels gravity, and turns by nothing at all.
+    One that hands out zeros alone is frozen.
     """
 
     def __init__(self) -> None:
@@ -19,7 +23,13 @@ class FrozenSamples:
         """Take a sample; return for how long its values have not changed [s]."""
         values = sample.angular_velocity_rad_s.tolist() + sample.specific_force_m_s2.tolist()
         if values == self._values:
-            return sample.stamp_s - self._since_s if self._changes > 1 else 0.0
+            is_judged = self._changes > 1 and not _is_ideal_rest(values)
+            return sample.stamp_s - self._since_s if is_judged else 0.0
         self._values, self._since_s = values, sample.stamp_s
         self._changes += 1
         return 0.0
+
+
+def _is_ideal_rest(values: list[float]) -> bool:
+    """Return whether rates (the first three) are nothing, and forces are not."""
+    return max(map(abs, values[:3])) < _NO_RATE_RAD_S and any(values[3:])
