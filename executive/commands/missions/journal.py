@@ -34,18 +34,24 @@ def journal(
     """
     from executive.mission.record.journal_view import line_for_people, plain_entry, reading
 
-    width = terminal_width()
+    width, count, chosen = terminal_width(), 0, 0
     with reading(run_dir) as entries:
         for entry in entries:
             is_kind = not kind or entry.kind in kind
             is_time = (from_ is None or entry.time_s >= from_) and (
                 to is None or entry.time_s <= to
             )
+            count += 1
             if is_kind and is_time and (node is None or _is_within(entry.node, node)):
+                chosen += 1
                 text = json.dumps(plain_entry(entry), ensure_ascii=False) if as_json else None
                 print(line_for_people(entry, width) if text is None else text)
     if kind:
         _say_unknown(kind)
+    if count and not chosen:
+        asked = {"--kind": kind, "--node": node, "--from": from_, "--to": to}
+        named = ", ".join(option for option, value in asked.items() if value not in (None, []))
+        say(f"warning: none of the {count} entries is chosen by {named}")
 
 
 def _is_within(path: str, node: str) -> bool:
