@@ -53,8 +53,8 @@ def site_warnings(
         )
     if relief.rising > max(relief.sinking, _LEAST_RISEN):
         found.append(
-            f"{relief.rising:.0%} of the area rises about hollows that are {relief.sinking:.0%} of "
-            "it, where stones rise from ground about them: is z down?"
+            f"it shows hollows ({relief.sinking:.0%} of its area, between edges of "
+            f"{relief.rising:.0%}) where a site shows stones on the ground: is z down?"
         )
     near = float((np.abs(heights) < margin_m).mean())
     if near < _LEAST_GROUND:

@@ -68,7 +68,9 @@ def imported(file: Path) -> "Imported":
 
     try:
         text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{file} cannot be read: {error}") from error
+    except OSError as error:
+        raise ConfigError(f"{file} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{file} cannot be read: it is no text in UTF-8") from error
     name = "".join(letter if letter.isalnum() else "_" for letter in file.stem) or "imported"
     return from_xml(text, str(file), InstalledCatalogue(), name)
