@@ -9,6 +9,7 @@ from py_trees.common import Status
 from executive.events.event import plain
 from executive.mission.mission import Mission
 from executive.tree.leaf_nodes import RunNode
+from executive.tree.small_nodes import WaitNode
 
 
 def running_leaves(root: Behaviour) -> list[RunNode]:
@@ -22,9 +23,15 @@ def failed_leaves(root: Behaviour) -> list[RunNode]:
     return [leaf for leaf in running_leaves(root) if leaf.failure is not None]
 
 
+def _is_under_way(node: Behaviour) -> bool:
+    """Return whether a node acts or waits, and has not failed."""
+    lasts = isinstance(node, RunNode | WaitNode) and node.status is Status.RUNNING
+    return lasts and getattr(node, "failure", None) is None
+
+
 def standing(mission: Mission) -> dict[str, Any]:
     """Return how a mission is, as JSON holds it; times in seconds."""
-    running = [leaf for leaf in running_leaves(mission.root) if leaf.failure is None]
+    running = [one for one in mission.root.iterate() if _is_under_way(one)]
     found = {
         "phase": mission.phase,
         "reason": mission.phase_reason,

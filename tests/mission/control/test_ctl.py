@@ -219,6 +219,20 @@ def pause_in_action(ctl):
     ctl.until(lambda found: found["running"] and found["phase"] == "paused")
 
 
+def test_a_wait_is_under_way_as_an_action_is(operate):
+    told = []
+
+    def person(ctl):
+        pause_in_action(ctl)
+        told.extend(ctl.status()["running"])
+        ctl("resume")
+
+    operate(WAITS, person, attended=True)
+    (running,) = told
+    assert running["node"].startswith("main/1")
+    assert running["says"].endswith(" s left")
+
+
 def test_an_action_under_way_begins_again_or_counts_as_done(operate):
     def person(ctl):
         pause_in_action(ctl)
