@@ -3,7 +3,6 @@
 from executive_plugins.estimation.cabin.heading_bank import HeadingBank
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.live.propagator import LivePropagator
 from executive_plugins.estimation.start.found import Found
@@ -29,9 +28,9 @@ class Aligning:
         self._bank = HeadingBank(found, noise)
         self._trailing = TrailingFilter(self._bank, _LAG_S, propagator)
 
-    def add_sample(self, sample: Inertial) -> None:
-        """Add an inertial sample that the propagator has taken."""
-        self._trailing.add_sample(sample)
+    def add_sample(self, stamp_s: float) -> None:
+        """Follow an inertial sample that the propagator has taken [s]."""
+        self._trailing.add_sample(stamp_s)
 
     def add_fix(self, fix: Fix) -> None:
         """Correct by a fix."""

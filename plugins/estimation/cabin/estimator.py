@@ -215,7 +215,7 @@ class CabinEstimator(Estimator):
         if self._aligning is None:
             return
         if self._propagator.step(sample.stamp_s, sample.rate, sample.force) >= 0:
-            self._aligning.add_sample(sample)
+            self._aligning.add_sample(sample.stamp_s)
 
     def _agreeing_clock(self) -> AgreeingClock | None:
         """Return how likely the receiver's clock agrees; None if nothing is known of that."""

@@ -18,12 +18,13 @@ from executive_plugins.estimation.inertial.state import (
     POSITION,
     ROTATION,
     VELOCITY,
-    Inertial,
     InertialState,
     retract,
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
+from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.live.packing import packed
 from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.wide_heading import UNIFORM_STD_RAD, heading_gradient
 
@@ -52,10 +53,17 @@ class HeadingBank:
         """The likeliest state."""
         return self._filters[int(np.argmax(self._weights))].state
 
-    def predict(self, sample: Inertial) -> None:
-        """Propagate to a later sample."""
+    @property
+    def stamp_s(self) -> float:
+        """Time of the states [s]."""
+        return self._filters[0].stamp_s
+
+    def predict_until(self, ring: Block, first: int, end: int, until_s: float) -> int:
+        """Propagate through samples up to a time; see `packed_prediction.predict_until`."""
+        unused = first
         for kalman in self._filters:
-            kalman.predict(sample)
+            unused = kalman.predict_until(ring, first, end, until_s)
+        return unused
 
     def correct(self, fix: Fix, late_s: float, scale: float, gate: float) -> bool:
         """Correct by a fix; return whether it was within the gate of any filter.
@@ -84,6 +92,10 @@ class HeadingBank:
         kept = np.flatnonzero(self._weights > self._weights.max() - _REFUTED)
         self._filters = [self._filters[i] for i in kept]
         self._weights = self._weights[kept] - self._weights.max()
+
+    def packed(self) -> Block:
+        """Return what is reported as a row, see `packing`."""
+        return packed(*self.reported())
 
     def reported(self) -> tuple[InertialState, Float]:
         """Return the mean state, and the second moment of its error in map axes, (15, 15).

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from executive_plugins.estimation.inertial.exponential import turn_along
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     POSITION,
     ROTATION,
-    rotation_step,
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 
@@ -45,16 +43,26 @@ class CloningFilter(ErrorStateFilter):
 
     _clone_s = -np.inf
 
+    @property
+    def _R(self) -> Float:
+        """A copy of the clone's orientation, shape (3, 3)."""
+        return np.array(self.block["clone_R"][0])
+
+    @property
+    def _p(self) -> Float:
+        """A copy of the clone's position in the map [m], shape (3,)."""
+        return np.array(self.block["clone_p"][0])
+
     def clone(self) -> None:
         """Clone the present pose; an earlier clone is replaced."""
-        self._clone_s = self.state.stamp_s
-        self._R, self._p = self.state.R_map_imu, self.state.p_map_imu
-        k = self._clocks
-        clocks, own = self._cross[:, :k], np.empty((k + 6, k + 6))
-        own[:k, :k], own[k:, k:] = self._own[:k, :k], self.covariance[np.ix_(_POSE, _POSE)]
+        row, k = self.block[0], self._clocks
+        P, clocks = row["P"], row["cross"][:, :k]
+        self._clone_s = self.stamp_s
+        row["clone_R"], row["clone_p"], row["companions"] = row["R"], row["p"], k + len(_POSE)
+        own = self._own
+        own[k:, k:] = P[np.ix_(_POSE, _POSE)]
         own[:k, k:], own[k:, :k] = clocks[_POSE].T, clocks[_POSE]
-        self._own = own
-        self._cross = np.hstack([clocks, self.covariance[:, _POSE]])
+        self._cross[:, k:] = P[:, _POSE]
 
     def has_clone_at(self, stamp_s: float) -> bool:
         """Return whether the clone is of a time [s]."""
@@ -76,16 +84,6 @@ class CloningFilter(ErrorStateFilter):
     def correct_by_increment(self, innovation: IncrementInnovation, gate: float) -> bool:
         """Correct by a motion; return whether it was within a gate and was used."""
         return self._correct_jointly(innovation.residual, innovation.H, innovation.noise, gate)
-
-    def _move_companions(self, error: Float) -> Float:
-        """Apply a correction to clock and clone, which turns the clone's position along."""
-        J = super()._move_companions(error)
-        if np.isfinite(self._clone_s):
-            turn, shift = error[self._clocks :].reshape(2, 3)
-            P, R = slice(self._clocks + 3, None), slice(self._clocks, self._clocks + 3)
-            turn_along(self._R, turn, shift, J[P, P], J[P, R], J[R, R])
-            self._R, self._p = self._R @ rotation_step(turn), self._p + J[P, P] @ shift
-        return J
 
     def _increment_residual(self, T_from_to: Float) -> tuple[Float, Float, Float]:
         """Return measured − predicted (6,), its derivative by all errors, and a rotation.

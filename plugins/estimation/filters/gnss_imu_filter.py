@@ -1,10 +1,10 @@
 """Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
-from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.filters.status_account import (
     FALLBACK,
@@ -12,22 +12,18 @@ from executive_plugins.estimation.filters.status_account import (
     SUSPECT,
     StatusAccount,
 )
-from executive_plugins.estimation.gate.calm_scale import CalmScale
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
 from executive_plugins.estimation.gate.growing_refusals import GrowingRefusals
-from executive_plugins.estimation.gate.innovation_alarm import WINDOW, InnovationAlarm
-from executive_plugins.estimation.gate.innovation_bias import InnovationBias, Lean
-from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE, InnovationScale
+from executive_plugins.estimation.gate.innovation_alarm import WINDOW
+from executive_plugins.estimation.gate.innovation_record import DOUBTED, LEANS, InnovationRecord
+from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.stream_period import StreamPeriod
-from executive_plugins.estimation.inertial.measurement_models import (
-    rate_residual,
-    standstill_residual,
-)
 from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.kalman.fix_residual import fix_residual
+from executive_plugins.estimation.kalman.fix_residual import compared
 from executive_plugins.estimation.kalman.held_clock import HeldClock
+from executive_plugins.estimation.kalman.judged_fix import USED
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.window_start import WindowStart
@@ -76,10 +72,7 @@ class GnssImuFilter(CabinEstimator):
         super()._restart()
         self._trailing: TrailingFilter[ErrorStateFilter] | None = None
         self._used_fix_s = -np.inf
-        self._scales: dict[str, InnovationScale] = {}
-        self._biases: dict[str, InnovationBias] = {}
-        self._alarms: dict[str, InnovationAlarm] = {}
-        self._calm: dict[str, CalmScale] = {}
+        self._innovations: dict[str, InnovationRecord] = {}
         self._periods: dict[str, StreamPeriod] = {}
         # Time without a used fix after which fixes are missing [s].
         self._missing_after_s = self._settings.fallback_after_s
@@ -96,11 +89,8 @@ class GnssImuFilter(CabinEstimator):
         kalman.agreeing_clock = self._agreeing_clock()
         self._trailing = TrailingFilter(kalman, settings.lag_s, self._propagator)
         self._used_fix_s = found.state.stamp_s
-        self._scales = {name: InnovationScale(3, found.fix_scale) for name in self._antennas_imu}
-        self._biases = {name: InnovationBias(3) for name in self._antennas_imu}
-        self._alarms = {name: InnovationAlarm(3) for name in self._antennas_imu}
-        self._calm = {
-            name: CalmScale(settings.reacquire_after_s, found.fix_scale)
+        self._innovations = {
+            name: InnovationRecord(settings.gate, settings.reacquire_after_s, found.fix_scale)
             for name in self._antennas_imu
         }
 
@@ -108,12 +98,16 @@ class GnssImuFilter(CabinEstimator):
         return ErrorStateFilter(found.state, found.covariance, self._noise, found.clock)
 
     def _sampled(self, sample: ImuSample, since_last_s: float, answered: int) -> None:
-        if self._trailing is not None:
+        if self._trailing is None:
+            return
+        frozen_s = self._frozen.lasts_s(sample)
+        if frozen_s > since_last_s:
+            self._propagator.lengthen(frozen_s)
+        self._trailing.add_sample(sample.stamp_s)
+        if self._doubt is not None:
             rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
-            unknown_s = max(since_last_s, self._frozen.lasts_s(sample))
-            inertial = Inertial(sample.stamp_s, rate, force, unknown_s)
-            self._trailing.add_sample(inertial)
-            self._follow_doubt(inertial)
+            unknown_s = max(since_last_s, frozen_s)
+            self._follow_doubt(self._doubt, Inertial(sample.stamp_s, rate, force, unknown_s))
 
     def _admits_fix(self, fix: GnssFix) -> bool:
         return self._stamp_gate.admits(fix.antenna, fix.stamp_s)
@@ -127,133 +121,111 @@ class GnssImuFilter(CabinEstimator):
         if self._doubt is not None:
             self._doubt.add_fix(position)
         late_s = 0.0 if self._trailing is None else self._trailing.kalman.clock_s
-        self._queue(
-            antenna, stamp_s - late_s, lambda at: self._correct_by_fix(at, position, late_s)
-        )
+        self._queue(antenna, stamp_s - late_s, self._correct_by_fix, position, late_s)
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         """Do nothing: this filter does not use lidar."""
 
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        self._queue("joints", stamp_s, lambda at: self._correct_by_standing(at, rate_cabin))
+        self._queue("joints", stamp_s, self._correct_by_standing, rate_cabin)
 
     def _queue(
-        self, stream: str, stamp_s: float, apply: Callable[[ErrorStateFilter], None]
+        self, stream: str, stamp_s: float, apply: Callable[..., None], *given: object
     ) -> None:
+        """Let the filter be corrected at a time by a function of it and of what is given."""
         trailing = self._trailing
         if trailing is not None and not trailing.add(
-            Correction(stamp_s, lambda: apply(trailing.kalman))
+            Correction(stamp_s, partial(apply, trailing.kalman, *given))
         ):
             self._stamp_gate.refuse(stream, "too late")
 
     def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> None:
         """Correct by a fix at the time by which the clock was thought to be late."""
-        antenna = fix.antenna
-        residual, H, by_clock, noise = fix_residual(kalman, fix, late_s)
-        noise = self._judged(kalman, antenna, residual, (H, by_clock), noise)
-        self._hold_both(kalman, residual, kalman.predicted(H, by_clock), noise)
-        if kalman.correct(residual, H, noise, self._settings.gate, by_clock):
-            self._used_fix_s = max(self._used_fix_s, kalman.state.stamp_s)
+        if (
+            self._use(kalman, fix, late_s)
+            or kalman.correct_by_compared(self._settings.gate)
+            or self._holds_both(kalman)
+        ):
+            self._used_fix_s = max(self._used_fix_s, kalman.stamp_s)
             self._used_in_row += 1
             self._refusals.clear()
             if self._used_in_row >= _TRUSTED:
                 self._begin_trust()
             return
-        self._stamp_gate.refuse(antenna, "outlier")
+        self._stamp_gate.refuse(fix.antenna, "outlier")
         self._used_in_row = 0
         if self._doubt is None:
             self._doubt = WindowStart(
                 self._settings.window_start.of_doubt(), self._noise, self._settings.clock_std_s
             )
-            self._doubted_s = kalman.state.stamp_s
+            self._doubted_s = kalman.stamp_s
             return
         # One fix in 15,000 is beyond the gate by chance, every few minutes of a mission: it is
         # refused, and speaks against the state only with a second one.
-        off_m = float(np.linalg.norm(residual))
-        words = f"two fixes were refused, that of {antenna} by {off_m:.2f} m"
-        self._suspect(kalman.state.stamp_s, words)
+        off_m = float(np.linalg.norm(compared(kalman)[0]))
+        self._suspect(
+            kalman.stamp_s, f"two fixes were refused, that of {fix.antenna} by {off_m:.2f} m"
+        )
 
     def _suspect(self, stamp_s: float, cause: str) -> None:
         """Take what speaks against the state at a time [s]."""
         self._suspected_s = stamp_s
         self._account.doubt(cause)
 
-    def _judged(
-        self,
-        kalman: ErrorStateFilter,
-        antenna: str,
-        residual: Float,
-        derivatives: tuple[Float, Float | None],
-        noise: Float,
-    ) -> Float:
-        """Return the covariance of a fix that the newest innovations explain, shape (3, 3).
+    def _use(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
+        """Correct by a fix whose innovation is in no doubt; return whether it was used.
 
-        If they show that the prediction is wrong instead, its covariance grows by a step of the
-        sensor's biases that explains them, and the fix errs as was known before.
+        The covariance of another is compared and scaled. If the newest innovations show that the
+        prediction is wrong, its covariance grows by a step of the sensor's biases that explains
+        them.
         """
-        predicted = kalman.predicted(*derivatives)
-        scale, bias, alarm = self._scales[antenna], self._biases[antenna], self._alarms[antenna]
-        known = self._calm[antenna].factor(kalman.state.stamp_s, alarm.is_raised, scale.factor())
-        S = predicted + known * noise
-        usual_s = self._periods[antenna].period_s
-        period_s = usual_s / len(self._periods)
-        alarm.add(residual, S, self._settings.gate, period_s)
-        distance2 = squared_distance(S, residual)
-        is_near = distance2 <= self._settings.gate  # outliers say nothing of the prediction
-        if is_near:
-            bias.add(residual, S, period_s)
-        if alarm.is_raised or bias.is_biased:
-            how = "farther from" if alarm.is_raised else "farther to one side of"
-            words = f"fixes of {antenna} lie {how} the prediction than their covariance explains"
-            self._suspect(kalman.state.stamp_s, words)
-        if not is_near or alarm.is_raised or bias.is_biased:
-            self._clock.hold(kalman, max(_STEP_AGO_S, WINDOW * usual_s))
-        else:
-            self._clock.follow(kalman)
-        if not is_near or bias.lean is None:
-            scale.add(residual, predicted, noise)
-            return scale.factor() * noise
-        self._explain(kalman, bias.lean, derivatives, known * noise, usual_s)
-        return known * noise
+        record, usual_s = self._innovations[fix.antenna], self._periods[fix.antenna].period_s
+        record.expect(usual_s / len(self._periods))
+        is_learnt, clock_s = kalman.has_clock and not self._clock.is_held(kalman), kalman.clock_s
+        said = kalman.use_fix(record.block, fix, late_s, not is_learnt)
+        if not said & DOUBTED:
+            if is_learnt:
+                self._clock.remember(kalman.stamp_s, clock_s)
+            return bool(said & USED)
+        if record.is_alarmed or record.is_biased:
+            how = "farther from" if record.is_alarmed else "farther to one side of"
+            words = f"fixes of {fix.antenna} lie {how} the prediction than their covariance"
+            self._suspect(kalman.stamp_s, f"{words} explains")
+        self._clock.hold(kalman, max(_STEP_AGO_S, WINDOW * usual_s))
+        lean = record.lean if said & LEANS else None
+        if lean is not None:
+            _, H, by_clock, noise = compared(kalman)
+            since_s = max(_STEP_AGO_S, lean.lasts * usual_s)
+            kalman.explain(lean.innovation, (H, by_clock), noise, since_s, lean.share)
+            for one in self._innovations.values():
+                one.clear_bias()
+        return False
 
-    def _explain(
-        self,
-        kalman: ErrorStateFilter,
-        lean: Lean,
-        derivatives: tuple[Float, Float | None],
-        noise: Float,
-        period_s: float,
-    ) -> None:
-        """Widen the state's covariance by a step of the biases that explains a lean."""
-        since_s = max(_STEP_AGO_S, lean.lasts * period_s)
-        kalman.explain(lean.innovation, derivatives, noise, since_s, lean.share)
-        for bias in self._biases.values():
-            bias.clear()
+    def _holds_both(self, kalman: ErrorStateFilter) -> bool:
+        """Widen the state's covariance to hold a refused fix too if the prediction runs away.
 
-    def _hold_both(
-        self, kalman: ErrorStateFilter, residual: Float, predicted: Float, noise: Float
-    ) -> None:
-        """Widen the state's covariance to hold the fixes too if the prediction runs away."""
-        distance2 = squared_distance(predicted + noise, residual)
-        is_refused = distance2 > self._settings.gate
-        if is_refused and self._refusals.is_running_away(residual, noise):
-            kalman.fade(distance2 / len(residual))
+        Returns:
+            Whether the fix was used then.
+        """
+        residual, _, _, noise = compared(kalman)
+        if not self._refusals.is_running_away(residual, noise):
+            return False
+        kalman.fade(kalman.distance2 / len(residual))
+        return kalman.correct_by_compared(self._settings.gate)
 
     def _begin_trust(self) -> None:
         self._doubt, self._doubted_s = None, np.inf
         self._used_in_row = 0
 
-    def _follow_doubt(self, sample: Inertial) -> None:
+    def _follow_doubt(self, doubt: WindowStart, sample: Inertial) -> None:
         """Begin anew from the fixes that were refused, once they explain the motion by themselves.
 
         Fixes that contradict the filter for so long, but not each other, are more likely right.
         """
-        if self._doubt is None:
-            return
-        self._doubt.add_sample(sample)
+        doubt.add_sample(sample)
         if sample.stamp_s - self._doubted_s < self._settings.reacquire_after_s:
             return
-        found = self._doubt.state()
+        found = doubt.state()
         if found is not None and found.has_heading and self._explains(found):
             self._start_at(found)
             self._begin_trust()
@@ -274,17 +246,13 @@ class GnssImuFilter(CabinEstimator):
         A chassis that drives smoothly looks as if it were at rest. After a contradiction,
         standstill is ignored for `_DOUBT_S`.
         """
-        if kalman.state.stamp_s - self._moving_s < _DOUBT_S:
+        if kalman.stamp_s - self._moving_s < _DOUBT_S:
             return
-        settings, gate = self._settings.standing, self._settings.gate
-        residual, H = standstill_residual(kalman.state, self._T_imu_cabin[:3, 3])
-        if not kalman.correct(residual, H, settings.velocity_std_m_s**2 * np.eye(3), gate):
-            self._moving_s = kalman.state.stamp_s
-            return
-        if np.linalg.norm(rate_cabin) < settings.rate_std_rad_s:
-            # Differentiated encoder readings are accurate at rest only.
-            residual, H = rate_residual(kalman.state, self._T_imu_cabin[:3, :3] @ rate_cabin)
-            kalman.correct(residual, H, settings.rate_std_rad_s**2 * np.eye(3), gate)
+        settings = self._settings
+        if not kalman.correct_by_standstill(
+            self._T_imu_cabin, rate_cabin, settings.standing, settings.gate
+        ):
+            self._moving_s = kalman.stamp_s
 
     def state(self) -> BaseState:
         state = super().state()

@@ -1,31 +1,41 @@
 """The scale of a sensor's noise as it was known before an alarm."""
 
+import math
 
-class CalmScale:
-    """Keeps the scale of before an alarm for some time, so that the alarm does not explain itself.
+import numpy as np
+from numba import njit
 
-    A prediction that is wrong makes innovations large, and what is taken for noise grows with
-    them. A sensor that has really become noisier is believed after that time.
+from executive.arrays import Float
+
+
+def calm_scale(kept_s: float, factor: float = 1.0) -> Float:
+    """Return the memory of `calm_factor`, shape (3,), without an alarm.
+
+    Args:
+        kept_s: How long a scale is kept [s].
+        factor: The scale at first.
     """
+    return np.array([factor, -math.inf, kept_s])
 
-    def __init__(self, kept_s: float, factor: float = 1.0) -> None:
-        """Begin without an alarm.
 
-        Args:
-            kept_s: How long a scale is kept [s].
-            factor: The scale at first.
-        """
-        self._kept_s, self._factor, self._calm_s = kept_s, factor, -float("inf")
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def calm_factor(memory: Float, now_s: float, is_alarmed: bool, newest: float) -> float:
+    """Return the factor on the declared variance that is known.
 
-    def factor(self, now_s: float, is_alarmed: bool, newest: float) -> float:
-        """Return the factor on the declared variance that is known.
+    The scale of before an alarm is kept for some time, so that the alarm does not explain itself:
+    a prediction that is wrong makes innovations large, and what is taken for noise grows with
+    them. A sensor that has really become noisier is believed after that time.
 
-        Args:
-            now_s: The time [s].
-            is_alarmed: Whether there is an alarm.
-            newest: The factor by the newest innovations.
-        """
-        if not is_alarmed or now_s - self._calm_s > self._kept_s:
-            self._factor = newest
-            self._calm_s = now_s if not is_alarmed else self._calm_s
-        return self._factor
+    Args:
+        memory: Of `calm_scale`, shape (3,).
+        now_s: The time [s].
+        is_alarmed: Whether there is an alarm.
+        newest: The factor by the newest innovations.
+    """
+    factor, calm_s, kept_s = memory[0], memory[1], memory[2]
+    if not is_alarmed or now_s - calm_s > kept_s:
+        factor = newest
+        memory[0] = newest
+    if not is_alarmed:
+        memory[1] = now_s
+    return float(factor)

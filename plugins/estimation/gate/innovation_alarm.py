@@ -12,7 +12,7 @@ from executive_plugins.estimation.cholesky import whitened
 from numba import njit, types
 from scipy.stats import chi2
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 WINDOW = 6  # innovations; means of the newest 1 to 6 are tested
@@ -27,10 +27,6 @@ class InnovationAlarm:
     It tells that fixes and prediction contradict each other, not which of them is wrong. A jump
     shows in one innovation; a new bias of an inertial sensor in the mean of several that are each
     within their bounds.
-
-    Attributes:
-        is_raised: Whether there is an alarm. It ends when the mean of three innovations in a row
-            is usual again.
     """
 
     def __init__(self, degrees: int) -> None:
@@ -39,11 +35,16 @@ class InnovationAlarm:
         Args:
             degrees: Length of an innovation.
         """
-        self.is_raised = False
-        self._degrees, self._since = degrees, 0
-        self._white = np.zeros((WINDOW, degrees))  # in standard deviations, newest first
-        self._count = 0
-        self._usual = float(chi2.ppf(_USUAL, degrees))
+        self._degrees, self._usual = degrees, usual_size(degrees)
+        self._rows, self._counts = np.zeros((WINDOW, degrees)), np.zeros(3, np.int64)
+
+    @property
+    def is_raised(self) -> bool:
+        """Whether there is an alarm.
+
+        It ends when the mean of three innovations in a row is usual again.
+        """
+        return bool(self._counts[2])
 
     def add(self, innovation: Float, covariance: Float, gate: float, period_s: float) -> None:
         """Take an innovation.
@@ -56,23 +57,12 @@ class InnovationAlarm:
             period_s: Usual time between two innovations [s].
         """
         found = whitened(covariance, innovation)
-        if found is None:
-            return
-        white, _, distance2 = found
-        self._count = min(self._count + 1, WINDOW)
-        cut = min(1.0, math.sqrt(gate) / max(math.sqrt(distance2), 1e-9))
-        largest, newest = _means(self._white, self._count, white, cut)
-        self._since += 1
-        if largest > _limit(self._degrees, binary(period_s)):
-            self.is_raised, self._since = True, 0
-        elif self._since >= _CALM and newest < self._usual:
-            self.is_raised = False
+        if found is not None:
+            bounds = gate, alarm_limit(self._degrees, binary(period_s)), self._usual
+            alert(self._rows, self._counts, found[0], found[2], *bounds)
 
 
-@njit(  # type: ignore[untyped-decorator]
-    types.UniTuple(types.float64, 2)(types.float64[:, ::1], types.int64, _VECTOR, types.float64),
-    cache=True,
-)
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def _means(rows: Float, count: int, white: Float, cut: float) -> tuple[float, float]:
     """Put an innovation first; return how large the means of the newest ones are.
 
@@ -106,12 +96,51 @@ def _means(rows: Float, count: int, white: Float, cut: float) -> tuple[float, fl
     return largest, newest
 
 
+@njit(  # type: ignore[untyped-decorator]
+    types.void(types.float64[:, ::1], types.int64[::1], _VECTOR, *[types.float64] * 4), cache=True
+)
+def alert(
+    rows: Float,
+    counts: Int,
+    white: Float,
+    distance2: float,
+    gate: float,
+    limit: float,
+    usual: float,
+) -> None:
+    """Take an innovation into the memory of an alarm.
+
+    Args:
+        rows: The newest innovations in standard deviations, newest first, shape (`WINDOW`, m).
+        counts: Number of rows in use, number of innovations since the alarm was raised last, and
+            whether it is raised, shape (3,).
+        white: The innovation in standard deviations, shape (m,).
+        distance2: Its squared length.
+        gate: Largest squared length that counts.
+        limit: Bound on a squared mean, see `alarm_limit`.
+        usual: Squared mean below which an alarm ends, see `usual_size`.
+    """
+    counts[0] = min(counts[0] + 1, len(rows))
+    cut = min(1.0, math.sqrt(gate) / max(math.sqrt(distance2), 1e-9))
+    largest, newest = _means(rows, counts[0], white, cut)
+    counts[1] += 1
+    if largest > limit:
+        counts[1], counts[2] = 0, 1
+    elif counts[1] >= _CALM and newest < usual:
+        counts[2] = 0
+
+
+def usual_size(degrees: int) -> float:
+    """Return the squared length in standard deviations below which an innovation is usual."""
+    return float(chi2.ppf(_USUAL, degrees))
+
+
 def binary(period_s: float) -> float:
     """Return the next smaller power of two: few limits are computed, and none is too low."""
     return float(2.0 ** math.floor(math.log2(min(max(period_s, 1e-3), 60.0))))
 
 
 @lru_cache(maxsize=64)
-def _limit(degrees: int, period_s: float) -> float:
+def alarm_limit(degrees: int, period_s: float) -> float:
     """Return the bound on a squared mean that is exceeded by chance once in `FALSE_ALARM_S`."""
     return float(chi2.isf(period_s / (FALSE_ALARM_S * WINDOW), degrees))

@@ -10,12 +10,13 @@ from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, bi
 from numba import njit, types
 from scipy.stats import chi2
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 # Numbers of innovations over which a lean is looked for. The mean of n of them is known √n times
 # better than one, so that the longer ones show what a filter follows slowly.
 _COUNTS = (6, 12, 24, 48)
+BIAS_ROWS = _COUNTS[-1]  # innovations that are kept
 _ORDER = 2  # a lean that is there and one that grows evenly
 _REFUTED = 7.0  # noise is refuted if the innovations are e⁷ = 1,100 times less likely under it
 
@@ -53,9 +54,8 @@ class InnovationBias:
             degrees: Length of an innovation.
         """
         self._degrees = degrees
-        self._white = np.zeros((_COUNTS[-1], degrees))  # in standard deviations, newest first
-        self._count = 0
-        self.lean: Lean | None = None
+        self._rows, self._counts = np.zeros((BIAS_ROWS, degrees)), np.zeros(2, np.int64)
+        self._end, self._root = np.zeros(degrees), np.zeros((degrees, degrees))
 
     def add(self, innovation: Float, covariance: Float, period_s: float) -> None:
         """Take an innovation, and look for a lean.
@@ -67,23 +67,35 @@ class InnovationBias:
                 has to be among them.
         """
         found = whitened(covariance, innovation)
-        if found is None:
-            return
-        white, root, _ = found
-        self._count = min(self._count + 1, len(self._white))
-        end = np.empty(self._degrees)
-        limit = _limit(self._degrees, binary(period_s))
-        lasts = _leaning(self._white, self._count, white, limit, end)
-        self.lean = None if lasts == 0 else Lean(root @ end, _share(lasts), int(lasts))
+        if found is not None:
+            white, self._root, _ = found
+            limit = bias_limit(self._degrees, binary(period_s))
+            look_for_lean(self._rows, self._counts, white, limit, self._end)
 
     def clear(self) -> None:
         """Forget all innovations: what they have shown is part of the prediction now."""
-        self._count, self.lean = 0, None
+        self._counts[:] = 0
+
+    @property
+    def lean(self) -> Lean | None:
+        """What the newest innovations show; None if they do not lean."""
+        return lean_of(self._counts, self._root, self._end)
 
     @property
     def is_biased(self) -> bool:
         """Whether the prediction is wrong; False until there are enough innovations."""
-        return self.lean is not None
+        return bool(self._counts[1])
+
+
+def lean_of(counts: Int, root: Float, end: Float) -> Lean | None:
+    """Return what `look_for_lean` has found; None if there is no lean.
+
+    Args:
+        counts, end: Of `look_for_lean`.
+        root: Cholesky factor of the newest innovation's covariance, shape (m, m).
+    """
+    lasts = int(counts[1])
+    return Lean(root @ end, _share(lasts), lasts) if lasts else None
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -95,19 +107,14 @@ def _refutes_noise(far: float, all2: float, values: int, count: int) -> bool:
     return bool(line - noise > _REFUTED)
 
 
-@njit(  # type: ignore[untyped-decorator]
-    types.int64(types.float64[:, ::1], types.int64, _VECTOR, types.float64, types.float64[::1]),
-    cache=True,
-)
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def _leaning(rows: Float, count: int, white: Float, limit: float, end: Float) -> int:
     """Put an innovation first, and look for a lean in the fewest innovations that show one.
 
     Args:
-        rows: The innovations in standard deviations, newest first, shape (n, m).
         count: Number of rows that are in use with the new one.
-        white: The new one, shape (m,).
-        limit: Least squared size of a line.
-        end: Result, the line's value at the newest innovation, shape (m,).
+
+    The others are those of `look_for_lean`.
 
     Returns:
         The number of innovations that show a lean; 0 if there is none.
@@ -139,12 +146,31 @@ def _leaning(rows: Float, count: int, white: Float, limit: float, end: Float) ->
     return 0
 
 
+@njit(  # type: ignore[untyped-decorator]
+    types.void(types.float64[:, ::1], types.int64[::1], _VECTOR, types.float64, types.float64[::1]),
+    cache=True,
+)
+def look_for_lean(rows: Float, counts: Int, white: Float, limit: float, end: Float) -> None:
+    """Take an innovation into the memory of an `InnovationBias`, and look for a lean.
+
+    Args:
+        rows: The newest innovations in standard deviations, newest first, shape (`BIAS_ROWS`, m).
+        counts: Number of rows in use, and result: the number of innovations that show a lean, 0 if
+            there is none, shape (2,).
+        white: The new one, shape (m,).
+        limit: Least squared size of a line, see `bias_limit`.
+        end: Result, the line's value at the newest innovation, shape (m,).
+    """
+    counts[0] = min(counts[0] + 1, len(rows))
+    counts[1] = _leaning(rows, counts[0], white, limit, end)
+
+
 def _share(count: int) -> float:
     """Return the variance of a line's end, of that of one innovation."""
     return 1 / count + 3 * (count - 1) / (count * (count + 1))
 
 
 @lru_cache(maxsize=64)
-def _limit(degrees: int, period_s: float) -> float:
+def bias_limit(degrees: int, period_s: float) -> float:
     """Return the bound on a line's squared size that chance exceeds once in `FALSE_ALARM_S`."""
     return float(chi2.isf(period_s / (FALSE_ALARM_S * len(_COUNTS)), _ORDER * degrees))

@@ -7,7 +7,11 @@ from executive_plugins.estimation.graph.lidar_chain import LidarChain
 from executive_plugins.estimation.graph.window import GraphWindow
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import InertialState, error_transition
+from executive_plugins.estimation.inertial.state import (
+    InertialState,
+    carry_covariance,
+    error_transition,
+)
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import fix_residual
 
@@ -59,7 +63,7 @@ def predicted(
     state, ahead_s = window.state_at(stamp_s), stamp_s - window.newest_s
     if ahead_s <= 0:
         return state, window.covariance
-    return state, ErrorStateFilter(state, window.covariance, noise).covariance_after(ahead_s)
+    return state, carry_covariance(state, window.covariance, noise, ahead_s)
 
 
 def _reckoned(

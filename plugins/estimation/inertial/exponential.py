@@ -42,7 +42,7 @@ def moved(state: InertialState, error: Float) -> tuple[InertialState, Float]:
         (15, 15).
     """
     J, R, vectors = np.empty((DIMENSION, DIMENSION)), np.empty((3, 3)), np.empty((4, 3))
-    _move(
+    move(
         state.R_map_imu,
         state.p_map_imu,
         state.v_map_imu,
@@ -90,22 +90,17 @@ def linear_covariance(state: InertialState, covariance: Float) -> Float:
     The second moment of θ × w / 2 is added: it is what remains across a direction in which the
     linear terms cancel.
     """
-    answer = covariance.copy()
-    for block in (VELOCITY, POSITION):
-        own, cross = covariance[block, block], covariance[ROTATION, block]
-        _add_curvature(
-            state.R_map_imu, covariance[ROTATION, ROTATION], own, cross, answer[block, block]
-        )
+    answer = np.empty((DIMENSION, DIMENSION))
+    linearise(state.R_map_imu, covariance, answer)
     return answer
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _cross_matrix(v: Float) -> Float:
-    """Return [v]×, shape (3, 3)."""
-    answer = np.zeros((3, 3))
-    answer[0, 1], answer[0, 2], answer[1, 2] = -v[2], v[1], -v[0]
-    answer[1, 0], answer[2, 0], answer[2, 1] = v[2], -v[1], v[0]
-    return answer
+def _crossed(v: tuple[float, float, float], i: int, j: int) -> float:
+    """Return an element of [v]×."""
+    if i == j:
+        return 0.0
+    return v[3 - i - j] if (j - i) % 3 == 2 else -v[3 - i - j]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -117,6 +112,47 @@ def _product(A: Float, B: Float) -> Float:
             for k in range(3):
                 answer[i, j] += A[i, k] * B[k, j]
     return answer
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _turn_left(R: Float, theta: Float, by_self: Float, rotation: Float) -> None:
+    """Write what `turn_along` does, less what depends on the vector."""
+    t = theta[0], theta[1], theta[2]
+    angle2 = t[0] ** 2 + t[1] ** 2 + t[2] ** 2
+    b, c = 0.5 - angle2 / 24, 1 / 6 - angle2 / 120
+    if angle2 > _SMALL_RAD2:
+        angle = math.sqrt(angle2)
+        b, c = (1 - math.cos(angle)) / angle2, (angle - math.sin(angle)) / (angle * angle2)
+    J, half = np.empty((3, 3)), np.empty((3, 3))
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            across = _crossed(t, i, j)
+            twice = t[i] * t[j] if i != j else -t[k] * t[k] - t[m] * t[m]
+            unit = 1.0 if i == j else 0.0
+            J[i, j] = unit + b * across + c * twice
+            rotation[i, j] = unit - b * across + c * twice
+    multiply(R, J, half)
+    multiply(half, R.T, by_self)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _bend(R: Float, theta: Float, w: Float, by_rotation: Float) -> None:
+    """Write the derivative of J(θ) w by θ, as `turn_along` does."""
+    t = theta[0], theta[1], theta[2]
+    x = R[0, 0] * w[0] + R[1, 0] * w[1] + R[2, 0] * w[2]
+    y = R[0, 1] * w[0] + R[1, 1] * w[1] + R[2, 1] * w[2]
+    z = R[0, 2] * w[0] + R[1, 2] * w[1] + R[2, 2] * w[2]
+    body = x, y, z
+    turned = t[1] * z - t[2] * y, t[2] * x - t[0] * z, t[0] * y - t[1] * x
+    curved = np.empty((3, 3))
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            both = body[i] * t[j] if i != j else -t[k] * body[k] - t[m] * body[m]
+            second = (both + _crossed(turned, i, j)) / 6 + turned[i] * t[j] / 12
+            curved[i, j] = -0.5 * _crossed(body, i, j) - second
+    multiply(R, curved, by_rotation)
 
 
 _SLICE = types.Array(types.float64, 2, "A")
@@ -138,44 +174,18 @@ def turn_along(
         by_rotation: Derivative of J(θ) w by θ, to second order, shape (3, 3).
         rotation: Derivative of the rotation that is left, J(−θ), shape (3, 3).
     """
-    angle2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    b, c = 0.5 - angle2 / 24, 1 / 6 - angle2 / 120
-    if angle2 > _SMALL_RAD2:
-        angle = math.sqrt(angle2)
-        b, c = (1 - math.cos(angle)) / angle2, (angle - math.sin(angle)) / (angle * angle2)
-    across = _cross_matrix(theta)
-    twice = _product(across, across)
-    J, body = np.empty((3, 3)), np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            unit = 1.0 if i == j else 0.0
-            J[i, j] = unit + b * across[i, j] + c * twice[i, j]
-            rotation[i, j] = unit - b * across[i, j] + c * twice[i, j]
-            body[i] += R[j, i] * w[j]
-    back = np.ascontiguousarray(R.T)
-    by_self[:, :] = _product(_product(R, J), back)
-    turned = np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            turned[i] += across[i, j] * body[j]
-    beside = _cross_matrix(body)
-    both, aside = _product(across, beside), _cross_matrix(turned)
-    curved = np.empty((3, 3))
-    for i in range(3):
-        for j in range(3):
-            second = (both[i, j] + aside[i, j]) / 6 + turned[i] * theta[j] / 12
-            curved[i, j] = -0.5 * beside[i, j] - second
-    by_rotation[:, :] = _product(R, curved)
+    _turn_left(R, theta, by_self, rotation)
+    _bend(R, theta, w, by_rotation)
 
 
 @njit(  # type: ignore[untyped-decorator]
     types.void(
         *(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR),
-        *(_NEW_MATRIX, _NEW_MATRIX, _NEW_MATRIX),
+        *(_SLICE, _NEW_MATRIX, _NEW_MATRIX),
     ),
     cache=True,
 )
-def _move(  # noqa: PLR0913 - compiled code takes the arrays of a state one by one
+def move(  # noqa: PLR0913 - compiled code takes the arrays of a state one by one
     R: Float,
     p: Float,
     v: Float,
@@ -197,8 +207,10 @@ def _move(  # noqa: PLR0913 - compiled code takes the arrays of a state one by o
     J[:, :] = 0.0
     for i in range(15):
         J[i, i] = 1.0
-    turn_along(R, theta, error[3:6], J[3:6, 3:6], J[3:6, 0:3], J[0:3, 0:3])
-    turn_along(R, theta, error[6:9], J[6:9, 6:9], J[6:9, 0:3], J[0:3, 0:3])
+    _turn_left(R, theta, J[3:6, 3:6], J[0:3, 0:3])
+    J[6:9, 6:9] = J[3:6, 3:6]
+    _bend(R, theta, error[3:6], J[3:6, 0:3])
+    _bend(R, theta, error[6:9], J[6:9, 0:3])
     turn = np.empty((3, 3))
     turn_into(theta[0], theta[1], theta[2], turn)
     multiply(R, turn, R_after)
@@ -216,7 +228,7 @@ def _fourth(P: Float, W: Float, X: Float, i: int, j: int, k: int, m: int) -> flo
     return float(P[i, k] * W[j, m] + X[i, j] * X[k, m] + X[i, m] * X[k, j])
 
 
-@njit(types.void(_MATRIX, _MATRIX, _MATRIX, _MATRIX, _SLICE), cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def _add_curvature(R: Float, P_body: Float, W: Float, X_body: Float, after: Float) -> None:
     """Add the second moment of θ × w / 2, map axes.
 
@@ -238,3 +250,14 @@ def _add_curvature(R: Float, P_body: Float, W: Float, X_body: Float, after: Floa
                 - _fourth(P, W, X, b, a, c, d)
                 + _fourth(P, W, X, b, a, d, c)
             )
+
+
+@njit(types.void(_MATRIX, _MATRIX, _NEW_MATRIX), cache=True)  # type: ignore[untyped-decorator]
+def linearise(R: Float, P: Float, after: Float) -> None:
+    """Do what `linear_covariance` does, with the attitude R and the result in an array."""
+    for i in range(P.shape[0]):
+        for j in range(P.shape[1]):
+            after[i, j] = P[i, j]
+    for k in (3, 6):
+        W, X = P[k : k + 3, k : k + 3], P[0:3, k : k + 3]
+        _add_curvature(R, P[0:3, 0:3], W, X, after[k : k + 3, k : k + 3])

@@ -3,8 +3,6 @@
 import numpy as np
 from executive_plugins.estimation.inertial.state import (
     DIMENSION,
-    GYRO_BIAS,
-    IDENTITY_3,
     InertialState,
 )
 from executive_plugins.estimation.inertial.strapdown import turned_cross
@@ -14,7 +12,7 @@ from executive.arrays import Float
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
-_NEW_VECTOR, _NEW_MATRIX = types.float64[::1], types.float64[:, ::1]
+_NEW_VECTOR, _SLICE = types.float64[::1], types.Array(types.float64, 2, "A")
 
 # Each residual is measured − predicted, shape (3,), with H, the derivative of the prediction by the
 # error of the state, shape (3, 15).
@@ -28,7 +26,7 @@ def antenna_residual(
     Here l is the antenna's lever arm in IMU axes [m].
     """
     H, residual = np.empty((3, DIMENSION)), np.empty(3)
-    _antenna(state.R_map_imu, state.p_map_imu, arm_imu, p_map_antenna, residual, H)
+    write_antenna(state.R_map_imu, state.p_map_imu, arm_imu, p_map_antenna, residual, H)
     return residual, H
 
 
@@ -39,21 +37,16 @@ def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Fl
     is at rest, even if the cabin turns.
     """
     H, residual = np.empty((3, DIMENSION)), np.empty(3)
-    _standstill(state.R_map_imu, state.v_map_imu, state.rate, arm_imu, residual, H)
+    write_standstill(state.R_map_imu, state.v_map_imu, state.rate, arm_imu, residual, H)
     return residual, H
 
 
-def rate_residual(state: InertialState, rate_imu: Float) -> tuple[Float, Float]:
-    """Compare the bias-free angular velocity with one measured otherwise [rad/s], IMU axes."""
-    H = np.zeros((3, DIMENSION))
-    H[:, GYRO_BIAS] = -IDENTITY_3
-    return rate_imu - state.rate, H
-
-
 @njit(  # type: ignore[untyped-decorator]
-    types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _NEW_MATRIX), cache=True
+    types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _SLICE), cache=True
 )
-def _antenna(R: Float, p: Float, arm: Float, antenna: Float, residual: Float, H: Float) -> None:
+def write_antenna(
+    R: Float, p: Float, arm: Float, antenna: Float, residual: Float, H: Float
+) -> None:
     """Do what `antenna_residual` does, with results in arrays of the caller."""
     H[:, :] = 0.0
     H[:, 0:3] = -turned_cross(R, arm)
@@ -63,9 +56,11 @@ def _antenna(R: Float, p: Float, arm: Float, antenna: Float, residual: Float, H:
 
 
 @njit(  # type: ignore[untyped-decorator]
-    types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _NEW_MATRIX), cache=True
+    types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _SLICE), cache=True
 )
-def _standstill(R: Float, v: Float, rate: Float, arm: Float, residual: Float, H: Float) -> None:
+def write_standstill(
+    R: Float, v: Float, rate: Float, arm: Float, residual: Float, H: Float
+) -> None:
     """Do what `standstill_residual` does, with results in arrays of the caller."""
     speed = np.empty(3)
     for i in range(3):

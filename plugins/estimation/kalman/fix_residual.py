@@ -1,9 +1,9 @@
 """A position fix as a filter sees it, with the clock of the receiver."""
 
-import numpy as np
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.inertial.measurement_models import antenna_residual
+from executive_plugins.estimation.inertial.state import DIMENSION
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.packed_measurements import compare
 
 from executive.arrays import Float
 
@@ -26,12 +26,15 @@ def fix_residual(
         (3, 15); by that of the clock, shape (3,), None if the clock is known; and the covariance
         of the measurement [m²], shape (3, 3).
     """
-    state = kalman.state
-    residual, H = antenna_residual(state, fix.arm_imu, fix.p_map_antenna)
-    std_s = kalman.clock_std_s
-    if std_s == 0.0:
-        return residual, H, None, fix.covariance
-    by_clock = -kalman.antenna_shift(fix.arm_imu)
-    residual = residual - by_clock * (kalman.clock_s - late_s)
-    bend = 0.5 * std_s**2 * kalman.acceleration()
-    return residual, H, by_clock, fix.covariance + float(bend @ bend) * np.eye(3)
+    compare(kalman.block, fix.arm_imu, fix.p_map_antenna, fix.covariance, late_s)
+    return compared(kalman)
+
+
+def compared(kalman: ErrorStateFilter) -> tuple[Float, Float, Float | None, Float]:
+    """Return the fix that was compared with a filter last, as `fix_residual` does."""
+    row = kalman.block[0]
+    n = DIMENSION + int(row["companions"])
+    H = row["H"][: 3 * n].reshape(3, n)
+    by_clock = H[:, DIMENSION].copy() if row["clocks"] else None
+    noise = row["noise"][:9].reshape(3, 3).copy()
+    return row["residual"][:3].copy(), H[:, :DIMENSION].copy(), by_clock, noise

@@ -24,14 +24,13 @@ class HeldClock:
         self._held_s, self._doubted_s = held_s, -float("inf")
         self._clocks: deque[tuple[float, float]] = deque()  # times with the clock, both [s]
 
-    def follow(self, kalman: ErrorStateFilter) -> None:
-        """Let the clock be estimated if the last doubt is long ago, and remember it."""
-        now_s = kalman.state.stamp_s
-        doubted_s = max(self._doubted_s, kalman.gap_s)
-        kalman.holds_clock = now_s - doubted_s < self._held_s
-        if kalman.holds_clock:
-            return
-        self._clocks.append((now_s, kalman.clock_s))
+    def is_held(self, kalman: ErrorStateFilter) -> bool:
+        """Return whether the last doubt, or gap in the samples, is too near to learn the clock."""
+        return kalman.stamp_s - max(self._doubted_s, kalman.gap_s) < self._held_s
+
+    def remember(self, now_s: float, clock_s: float) -> None:
+        """Take the clock at a time at which nothing was in doubt, both [s]."""
+        self._clocks.append((now_s, clock_s))
         while self._clocks[0][0] < now_s - _REMEMBERED_S:
             self._clocks.popleft()
 
@@ -42,7 +41,7 @@ class HeldClock:
             kalman: The filter.
             since_s: For how long the error may have been there [s].
         """
-        now_s = kalman.state.stamp_s
+        now_s = kalman.stamp_s
         if not kalman.holds_clock and self._clocks:
             before = [clock_s for at_s, clock_s in self._clocks if at_s <= now_s - since_s]
             kalman.restore_clock(before[-1] if before else self._clocks[0][1])

@@ -1,16 +1,12 @@
 """A filter that trails the newest inertial sample, for measurements that arrive late."""
 
 from bisect import insort
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar
 
-from executive_plugins.estimation.inertial.state import Inertial, InertialState
-from executive_plugins.estimation.live.packing import packed
+from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.live.propagator import LivePropagator
-
-from executive.arrays import Float
 
 _MARGIN = 1.2  # of the lag over the largest delay so far
 _LONGEST_S = 2.0  # a measurement that is later is of no use in time
@@ -34,14 +30,14 @@ class Predicted(Protocol):
     """What trails: a filter, or a bank of them."""
 
     @property
-    def state(self) -> InertialState:
-        """Its state."""
+    def stamp_s(self) -> float:
+        """Time of its state [s]."""
 
-    def predict(self, sample: Inertial) -> None:
-        """Propagate to a later sample."""
+    def predict_until(self, ring: Block, first: int, end: int, until_s: float) -> int:
+        """Propagate through samples up to a time; see `packed_prediction.predict_until`."""
 
-    def reported(self) -> tuple[InertialState, Float]:
-        """Return the state that is reported, and its covariance in map axes, shape (15, 15)."""
+    def packed(self) -> Block:
+        """Return what is reported as a row, with the covariance in map axes, see `packing`."""
 
 
 K = TypeVar("K", bound=Predicted)
@@ -60,11 +56,12 @@ class TrailingFilter(Generic[K]):
         self.kalman = kalman
         self._lag_s = lag_s
         self._propagator = propagator
-        self._begin_s = kalman.state.stamp_s
-        self._samples: deque[Inertial] = deque()  # newer than the filter
+        self._begin_s = kalman.stamp_s
+        self._first = propagator.samples  # number of the first sample that is newer than the filter
+        self._newest_s = self._begin_s
         self._corrections: list[Correction] = []
         self._anchored_s = self._begin_s
-        propagator.take(packed(*kalman.reported()))
+        propagator.take(kalman.packed())
 
     def add(self, correction: Correction) -> bool:
         """Add a correction; return whether it is in time.
@@ -72,7 +69,7 @@ class TrailingFilter(Generic[K]):
         A correction before the first state is ignored, since that state includes it.
         """
         if correction.stamp_s > self._begin_s:
-            if correction.stamp_s < self.kalman.state.stamp_s:
+            if correction.stamp_s < self.kalman.stamp_s:
                 self._wait_for(correction.stamp_s)
                 return False
             insort(self._corrections, correction)
@@ -80,32 +77,33 @@ class TrailingFilter(Generic[K]):
 
     def _wait_for(self, stamp_s: float) -> None:
         """Trail by more from now on, so that measurements as late as this one are in time."""
-        if self._samples:
-            late_s = self._samples[-1].stamp_s - stamp_s
+        if self._first < self._propagator.samples:
+            late_s = self._newest_s - stamp_s
             self._lag_s = max(self._lag_s, min(_MARGIN * late_s, _LONGEST_S))
 
-    def add_sample(self, sample: Inertial) -> None:
-        """Take a sample; advance the filter and correct the propagator where that is due.
+    def add_sample(self, stamp_s: float) -> None:
+        """Advance the filter and correct the propagator where a sample makes that due.
 
         The filter is advanced through several samples at once, when a correction is due or the
         propagator's covariance is old: between samples the processor's caches cool, and a step
         alone takes five times as long as one among others.
+
+        Args:
+            stamp_s: Time of the sample, which the propagator has taken [s].
         """
-        self._samples.append(sample)
-        if self._is_corrected_by(sample.stamp_s - self._lag_s) or (
-            sample.stamp_s - self._anchored_s >= _COVARIANCE_PERIOD_S
-        ):
+        self._newest_s = stamp_s
+        is_old = stamp_s - self._anchored_s >= _COVARIANCE_PERIOD_S
+        if is_old or self._is_corrected_by(stamp_s - self._lag_s):
             self.follow()
 
     def follow(self) -> None:
         """Advance the filter to where it trails the newest sample by the lag, and report it."""
-        if not self._samples:
+        if self._first == self._propagator.samples:
             return
-        newest_s = self._samples[-1].stamp_s
-        is_corrected = self._is_corrected_by(newest_s - self._lag_s)
-        self._advance(newest_s - self._lag_s)
-        self._anchored_s = newest_s
-        estimate = packed(*self.kalman.reported())
+        until_s = self._newest_s - self._lag_s
+        is_corrected = self._advance(until_s)
+        self._anchored_s = self._newest_s
+        estimate = self.kalman.packed()
         if is_corrected:
             self._propagator.take(estimate)
         else:
@@ -115,16 +113,17 @@ class TrailingFilter(Generic[K]):
         """Return whether a correction is due until a time."""
         return bool(self._corrections) and self._corrections[0].stamp_s <= until_s
 
-    def _advance(self, until_s: float) -> None:
-        """Predict up to a time, with all corrections until then."""
-        while self._corrections and self._corrections[0].stamp_s <= until_s:
-            correction = self._corrections.pop(0)
+    def _advance(self, until_s: float) -> bool:
+        """Predict up to a time, with all corrections until then; return whether there were any."""
+        corrections, is_corrected = self._corrections, False
+        while corrections and corrections[0].stamp_s <= until_s:
+            correction, is_corrected = corrections.pop(0), True
             self._predict(correction.stamp_s)
             correction.apply()
         self._predict(until_s)
+        return is_corrected
 
     def _predict(self, until_s: float) -> None:
-        while self._samples and self._samples[0].stamp_s <= until_s:
-            self.kalman.predict(self._samples.popleft())
-        if self._samples and self.kalman.state.stamp_s < until_s:
-            self.kalman.predict(self._samples[0].until(until_s))
+        if until_s > self.kalman.stamp_s:
+            ring, end = self._propagator.ring, self._propagator.samples
+            self._first = self.kalman.predict_until(ring, self._first, end, until_s)

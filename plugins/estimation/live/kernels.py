@@ -311,16 +311,21 @@ def anchor(live: Block, estimate: Block) -> None:
     _anchor(live[0], estimate[0])
 
 
-@njit(types.void(_LIVE, _ESTIMATE, types.boolean), cache=True)  # type: ignore[untyped-decorator]
-def take(live: Block, estimate: Block, moves_map: bool) -> None:
+@njit(types.boolean(_LIVE, _ESTIMATE, types.boolean), cache=True)  # type: ignore[untyped-decorator]
+def take(live: Block, estimate: Block, moves_map: bool) -> bool:
     """Replace the state by an estimate, propagated through the newer samples.
 
     Args:
         live: The block, shape (1,), dtype `LIVE`.
-        estimate: The estimate, shape (1,), dtype `ESTIMATE`; finite.
+        estimate: The estimate, shape (1,), dtype `ESTIMATE`.
         moves_map: Whether it corrects the state before, so that the pose in the odometry frame
             stays and the map moves.
+
+    Returns:
+        Whether the estimate was finite; if not, it is ignored.
     """
+    if not has_finite_values(estimate):
+        return False
     s, e = live[0], estimate[0]
     _place(s, s.T_before)
     _anchor(s, e)
@@ -340,3 +345,4 @@ def take(live: Block, estimate: Block, moves_map: bool) -> None:
         _propagate(s, sample.stamp_s, sample.rate, sample.force)
     if moves_map:
         _correct_odometry(s)
+    return True

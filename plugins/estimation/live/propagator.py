@@ -13,7 +13,6 @@ from executive_plugins.estimation.live.kernels import (
 )
 from executive_plugins.estimation.live.layout import ANSWERS, LIVE
 from executive_plugins.estimation.live.packed_state import ROW, PackedState
-from executive_plugins.estimation.live.packing import is_finite
 from executive_plugins.estimation.start.chassis import TurnJoint
 from typing_extensions import Buffer
 
@@ -34,6 +33,8 @@ class LivePropagator:
     Attributes:
         stamp_s: Time of the newest sample or estimate [s].
         samples: Number of samples since the start.
+        ring: The newest samples, dtype `SAMPLE`: number k, counted from 0, in row k modulo its
+            length.
     """
 
     def __init__(
@@ -61,6 +62,8 @@ class LivePropagator:
         self._rows: list[tuple[Block, Block]] = []
         self._row: Block | None = None  # report of the newest sample, if nothing has changed since
         self.stamp_s, self.samples = -np.inf, 0
+        self.ring: Block = self.block["samples"][0]
+        self._state_s = self.block["stamp_s"]
         fixed = self.block[0]
         fixed["T_imu_cabin"], fixed["T_joint_base"], fixed["axis"] = (
             T_imu_cabin,
@@ -85,6 +88,10 @@ class LivePropagator:
             self._row, self.stamp_s = locked, stamp_s
             self.samples += 1
         return answered
+
+    def lengthen(self, since_last_s: float) -> None:
+        """Say that the newest sample tells of a longer time than that since the one before [s]."""
+        self.ring["since_last_s"][(self.samples - 1) % len(self.ring)] = since_last_s
 
     def set_turn(self) -> None:
         """Take over the newest sample of the turn joint, and allocate rows for reports."""
@@ -116,10 +123,9 @@ class LivePropagator:
         Returns:
             Whether the estimate was finite; if not, it is ignored.
         """
-        if not is_finite(estimate):
+        if not take(self.block, estimate, self._has_state and not is_alone):
             return False
-        take(self.block, estimate, self._has_state and not is_alone)
-        self._has_state, self._row, self.stamp_s = True, None, float(self.block["stamp_s"][0])
+        self._has_state, self._row, self.stamp_s = True, None, float(self._state_s.item())
         return True
 
     def anchor(self, estimate: Block) -> None:

@@ -13,6 +13,7 @@ from executive_plugins.estimation.inertial.state import (
     Inertial,
     InertialState,
 )
+from executive_plugins.estimation.live.layout import SAMPLE
 from executive_plugins.estimation.live.packing import unpacked
 from executive_plugins.estimation.start.found import Found
 
@@ -23,7 +24,14 @@ ARM = np.array([1.0, 0.5, 2.0])
 
 
 class Newest:
-    """The last state and covariance that the propagator was given."""
+    """The last state and covariance that the propagator was given, and its samples."""
+
+    def __init__(self) -> None:
+        self.samples, self.ring = 0, np.zeros(20, SAMPLE)
+
+    def step(self, stamp_s: float) -> None:
+        self.ring[self.samples] = stamp_s, 0.01, Z, UP
+        self.samples += 1
 
     def take(self, row) -> None:
         self.state, self.covariance = unpacked(row)
@@ -42,7 +50,8 @@ def aligned(off_m: np.ndarray | None, gate: float = 60.0, fix_scale: float = 1.0
     if off_m is not None:
         aligning.add_fix(Fix(5.005, "left", ARM, ARM + off_m, 0.02**2 * np.eye(3)))
     for k in range(1, 13):
-        aligning.add_sample(Inertial(5.0 + k / 100, Z, UP, 0.01))
+        newest.step(5.0 + k / 100)
+        aligning.add_sample(5.0 + k / 100)
     return newest
 
 

@@ -14,6 +14,7 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     propagate,
 )
+from executive_plugins.estimation.live.layout import SAMPLE
 from executive_plugins.estimation.start.found import Found
 from scipy.stats import chi2
 
@@ -41,14 +42,18 @@ def driven(heading_rad: float, accelerates: bool, seed: int = 0) -> tuple[Headin
     """Return the bank after three seconds, and the error of its state with pose first, (6,)."""
     rng, bank = np.random.default_rng(seed), HeadingBank(unknown_heading(), NOISE)
     R = from_rpy(0.0, 0.0, heading_rad)
-    true = InertialState(Inertial(0.0, Z, UP, 0.01), R, -R @ ARM_M, Z, Z, Z)
+    true, ring = (
+        InertialState(Inertial(0.0, Z, UP, 0.01), R, -R @ ARM_M, Z, Z, Z),
+        np.zeros(1, SAMPLE),
+    )
     for i in range(1, 301):
         at_s = i / 100
         force = UP + [1.5 * accelerates * np.sin(2 * at_s), 0.0, 0.0]
         true = propagate(true, Inertial(at_s, Z, force, 0.01), 9.81)
         shaken = rng.normal(0.0, 1e-2 * np.sqrt(100), 3)
         turned = rng.normal(0.0, 1e-3 * np.sqrt(100), 3)
-        bank.predict(Inertial(at_s, turned, force + shaken, 0.01))
+        ring[0] = at_s, 0.01, turned, force + shaken
+        assert bank.predict_until(ring, 0, 1, at_s) == 1
         if i % 10 == 0:
             p = true.p_map_imu + true.R_map_imu @ ARM_M + rng.normal(0.0, FIX_M, 3)
             assert bank.correct(Fix(at_s, "left", ARM_M, p, FIX_M**2 * np.eye(3)), 0.0, 1.0, 60.0)

@@ -117,10 +117,11 @@ def test_the_derivative_by_both_errors_is_that_of_finite_differences(kalman):
         error = np.zeros(21)
         error[i] = 1e-6
         kalman.state = retract(state, error[:15])
-        kalman._R, kalman._p = R @ exp_so3(error[15:18]), p + error[18:]
+        row = kalman.block[0]
+        row["clone_R"], row["clone_p"] = R @ exp_so3(error[15:18]), p + error[18:]
         # Measured minus predicted: the prediction rises by H · error.
         np.testing.assert_allclose(-kalman._increment_residual(T)[0] / 1e-6, H[:, i], atol=1e-4)
-        kalman.state, kalman._R, kalman._p = state, R, p
+        kalman.state, row["clone_R"], row["clone_p"] = state, R, p
 
 
 def test_an_exact_increment_fixes_the_relative_pose(kalman):

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.inertial.usual_motion import UsualMotion
+from executive_plugins.estimation.inertial.usual_motion import UsualMotion, add_motion
 
 
 def _after(acceleration_m_s2: float, rate_rad_s: float) -> UsualMotion:
-    usual = UsualMotion()
+    usual = UsualMotion(memory := np.empty(3))
     for stamp_s in np.arange(0.0, 120.0, 0.1):
         wave = np.sin(0.7 * stamp_s) * np.sqrt(2)
-        usual.add(stamp_s, np.full(3, acceleration_m_s2 * wave), np.full(3, rate_rad_s * wave))
+        acceleration, rate = np.full(3, acceleration_m_s2 * wave), np.full(3, rate_rad_s * wave)
+        add_motion(memory, stamp_s, acceleration, rate)
     return usual
 
 
@@ -26,7 +27,10 @@ def test_a_body_at_rest_may_begin_to_move() -> None:
 
 
 def test_samples_count_ten_times_a_second() -> None:
-    usual = UsualMotion()
-    usual.add(1.0, np.zeros(3), np.zeros(3))
-    assert not usual.is_due(1.05)
-    assert usual.is_due(1.11)
+    usual, lively = UsualMotion(memory := np.empty(3)), np.full(3, 1e3)
+    add_motion(memory, 1.0, lively, lively)  # the first only tells the time
+    add_motion(memory, 1.05, lively, lively)
+    assert usual.step == (0.8, 1.0)
+    add_motion(memory, 1.11, lively, lively)
+    assert usual.acceleration_m_s2 > 10.0
+    assert usual.rate_rad_s > 10.0

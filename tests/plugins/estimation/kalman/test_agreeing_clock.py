@@ -69,4 +69,4 @@ def test_a_filter_reports_the_mixture_and_goes_on_as_before() -> None:
     assert reported.p_map_imu[0] < -0.8 * late_s * speed[0]
     assert covariance[6, 6] < alone[1][6, 6]
     assert kalman.state is state
-    assert kalman.covariance is P
+    np.testing.assert_array_equal(kalman.covariance, P)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.kalman.compiled_correction import corrected
+from executive_plugins.estimation.kalman.compiled_correction import correct_into
 
 
 def problem(n: int, m: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -10,6 +10,14 @@ def problem(n: int, m: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     A, B = rng.normal(0, 0.1, (n, n)), rng.normal(0, 0.1, (m, m))
     P, noise = A @ A.T + 1e-4 * np.eye(n), B @ B.T + 1e-3 * np.eye(m)
     return P, rng.normal(0, 1, (m, n)), rng.normal(0, 0.1, m), noise
+
+
+def corrected(P, H, residual, noise, gate):
+    """Return covariance and error after a correction; None beyond the gate."""
+    (m, n), error = H.shape, np.empty(H.shape[1])
+    W, L, after = np.empty((m, n + 1)), np.empty((m, m)), np.empty((n, n))
+    distance2 = correct_into(P, H, residual, noise, gate, W, L, after, error)
+    return (after, error) if distance2 <= gate else None
 
 
 @pytest.mark.parametrize(("n", "m"), [(15, 3), (21, 3), (21, 6), (15, 1)])

@@ -8,6 +8,7 @@ from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
+from executive_plugins.estimation.live.layout import SAMPLE
 
 Z = np.zeros(3)
 UP = np.array([0.0, 0.0, 9.81])
@@ -15,11 +16,16 @@ NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81, 0.01)
 
 
 class Told:
-    """What the propagator was told, with the time of each state [s]."""
+    """What the propagator was told, with the time of each state [s], and its samples."""
 
     def __init__(self) -> None:
         self.taken: list[float] = []
         self.anchored: list[float] = []
+        self.samples, self.ring = 0, np.zeros(300, SAMPLE)
+
+    def step(self, stamp_s: float) -> None:
+        self.ring[self.samples % len(self.ring)] = stamp_s, 0.01, Z, UP
+        self.samples += 1
 
     def take(self, row: Any) -> None:
         self.taken.append(float(row["sample"]["stamp_s"][0]))
@@ -41,7 +47,8 @@ class Trail:
     def until(self, stamp_s: float) -> None:
         while 10.0 + (self.k + 1) / 100 <= stamp_s + 1e-9:
             self.k += 1
-            self.trailing.add_sample(Inertial(10.0 + self.k / 100, Z, UP, 0.01))
+            self.told.step(10.0 + self.k / 100)
+            self.trailing.add_sample(10.0 + self.k / 100)
 
     def add(self, stamp_s: float) -> bool:
         def apply() -> None:

@@ -5,7 +5,6 @@ import pytest
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
 from executive_plugins.estimation.inertial.measurement_models import (
     antenna_residual,
-    rate_residual,
     standstill_residual,
 )
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -21,7 +20,7 @@ from executive_plugins.estimation.inertial.state import (
     rotation_step,
     stepped,
 )
-from executive_plugins.estimation.kalman.compiled_correction import corrected
+from executive_plugins.estimation.kalman.compiled_correction import correct_into
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 
 from executive.geometry.pose import pose
@@ -78,7 +77,6 @@ def test_measurement_models(recorded) -> None:
         (
             antenna_residual(state(), arm, p),
             standstill_residual(state(), arm),
-            rate_residual(state(), p),
         )
     )
 
@@ -102,6 +100,13 @@ def test_samples_between_any_two_times(recorded) -> None:
     buffer.forget_before(0.5)
     told.append((buffer.newest_s, buffer.ends_at(0.25), buffer.ends_at(0.5), buffer.at(0.0)))
     recorded(told)
+
+
+def corrected(P, H, residual, noise, gate):
+    (m, n), error = H.shape, np.empty(H.shape[1])
+    W, L, after = np.empty((m, n + 1)), np.empty((m, m)), np.empty((n, n))
+    distance2 = correct_into(P, H, residual, noise, gate, W, L, after, error)
+    return (after, error) if distance2 <= gate else None
 
 
 def test_corrections(recorded) -> None:
