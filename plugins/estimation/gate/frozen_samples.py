@@ -15,21 +15,35 @@ class FrozenSamples:
     """
 
     def __init__(self) -> None:
-        self._values: list[float] = []
+        self._newest: ImuSample | None = None
+        self._first = float("nan")  # value of it
         self._since_s = 0.0
         self._changes = 0
 
     def lasts_s(self, sample: ImuSample) -> float:
         """Take a sample; return for how long its values have not changed [s]."""
-        values = sample.angular_velocity_rad_s.tolist() + sample.specific_force_m_s2.tolist()
-        if values == self._values:
-            is_judged = self._changes > 1 and not _is_ideal_rest(values)
+        before, first = self._newest, sample.angular_velocity_rad_s.item(0)
+        # Fast path: nearly all samples differ in their first value.
+        is_frozen = first == self._first and before is not None and _are_equal(before, sample)
+        self._newest, self._first = sample, first
+        if is_frozen:
+            is_judged = self._changes > 1 and not _is_ideal_rest(sample)
             return sample.stamp_s - self._since_s if is_judged else 0.0
-        self._values, self._since_s = values, sample.stamp_s
+        self._since_s = sample.stamp_s
         self._changes += 1
         return 0.0
 
 
-def _is_ideal_rest(values: list[float]) -> bool:
-    """Return whether rates (the first three) are nothing, and forces are not."""
-    return max(map(abs, values[:3])) < _NO_RATE_RAD_S and any(values[3:])
+def _is_ideal_rest(sample: ImuSample) -> bool:
+    """Return whether rates are nothing, and forces are not."""
+    rates, forces = sample.angular_velocity_rad_s.tolist(), sample.specific_force_m_s2.tolist()
+    return max(map(abs, rates)) < _NO_RATE_RAD_S and any(forces)
+
+
+def _are_equal(one: ImuSample, other: ImuSample) -> bool:
+    """Return whether all values of two samples are equal."""
+    pairs = (
+        (one.angular_velocity_rad_s, other.angular_velocity_rad_s),
+        (one.specific_force_m_s2, other.specific_force_m_s2),
+    )
+    return all(a.tolist() == b.tolist() for a, b in pairs)
