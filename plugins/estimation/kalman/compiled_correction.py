@@ -129,9 +129,11 @@ def consider_into(  # noqa: PLR0913 - compiled code takes the arrays of a proble
                 J[i, j] -= K[i, k] * H[k, j]
     project_into(J, P, after)
     project_into(K, noise, scatter)
+    # Rounding that leaves the two triangles apart grows from one correction to the next.
     for i in range(n):
-        for j in range(n):
-            after[i, j] += scatter[i, j]
+        for j in range(i + 1):
+            value = 0.5 * (after[i, j] + after[j, i]) + scatter[i, j]
+            after[i, j] = after[j, i] = value
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

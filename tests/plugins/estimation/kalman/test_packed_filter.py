@@ -106,3 +106,4 @@ def test_what_is_held_is_considered() -> None:
     np.testing.assert_allclose(after, J @ P @ J.T + K @ noise @ K.T, atol=1e-12)
     np.testing.assert_allclose(error, K @ residual, atol=1e-12)
     assert error[held] == 0.0
+    np.testing.assert_array_equal(after, after.T)
