@@ -6,7 +6,7 @@ samples the processor's caches cool: then it is the amount of code and memory th
 
 import numpy as np
 from executive_plugins.estimation.inertial.state import DIMENSION
-from executive_plugins.estimation.live.layout import SAMPLE
+from executive_plugins.estimation.live.layout import STATE
 from numba import from_dtype, njit
 from numpy.typing import NDArray
 
@@ -18,13 +18,7 @@ _MOST, _ROWS = DIMENSION + COMPANIONS, 6  # errors, and rows of the largest meas
 FILTER = np.dtype(
     [
         # The state, see `InertialState`, and the covariances of its error and its companions'.
-        ("sample", SAMPLE),
-        ("R", "f8", (3, 3)),
-        ("p", "f8", (3,)),
-        ("v", "f8", (3,)),
-        ("gyro_bias", "f8", (3,)),
-        ("accel_bias", "f8", (3,)),
-        ("P", "f8", (DIMENSION, DIMENSION)),
+        *STATE,
         ("cross", "f8", (DIMENSION, COMPANIONS)),
         ("own", "f8", (COMPANIONS, COMPANIONS)),
         # Companions: clocks come first, then the clone.

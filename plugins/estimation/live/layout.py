@@ -11,15 +11,20 @@ SAMPLE = np.dtype(
 )
 """An inertial sample, see `state.Inertial`."""
 
+STATE = (
+    ("sample", SAMPLE),
+    ("R", "f8", (3, 3)),
+    ("p", "f8", (3,)),
+    ("v", "f8", (3,)),
+    ("gyro_bias", "f8", (3,)),
+    ("accel_bias", "f8", (3,)),
+    ("P", "f8", (15, 15)),
+)
+"""Fields of a state, see `state.InertialState`, and of the covariance of its error."""
+
 ESTIMATE = np.dtype(
     [
-        ("sample", SAMPLE),
-        ("R", "f8", (3, 3)),
-        ("p", "f8", (3,)),
-        ("v", "f8", (3,)),
-        ("gyro_bias", "f8", (3,)),
-        ("accel_bias", "f8", (3,)),
-        ("P", "f8", (15, 15)),
+        *STATE,
         ("mode", "i8"),
         ("epoch", "i8"),  # number of the start that it belongs to
         ("messages", "i8"),  # messages of changes and refusals that were sent before it
