@@ -116,7 +116,7 @@ class ErrorStateFilter(PackedFilter):
         return said
 
     def correct_by_compared(self, gate: float) -> bool:
-        """Correct by the fix that was compared last, see `packed_measurements.compare`."""
+        """Correct by the fix that was compared last, see `packed_measurements.compare_fix`."""
         return self._told(correct_by_compared(self.block, gate))
 
     def correct_by_standstill(
