@@ -1,7 +1,6 @@
 """What the newest innovations of one antenna show, in one row of memory."""
 
 import math
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.cholesky import whiten
@@ -106,7 +105,7 @@ class InnovationRecord:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def judge(g: Any, residual: Float, predicted: Float, noise: Float, now_s: float) -> int:
+def judge(g: np.record, residual: Float, predicted: Float, noise: Float, now_s: float) -> int:
     """Take an innovation, and scale its noise by the factor that the newest ones explain.
 
     If they show that the prediction is wrong instead, the fix errs as was known before.

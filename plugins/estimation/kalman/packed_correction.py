@@ -1,7 +1,5 @@
 """The correction of a packed filter: its state, its companions and their covariance."""
 
-from typing import Any
-
 import numpy as np
 from executive_plugins.estimation.inertial.exponential import linearise, move, turn_along
 from executive_plugins.estimation.inertial.strapdown import multiply, turn_into
@@ -24,7 +22,7 @@ _N = 15
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def joint_covariance(s: Any) -> Float:
+def joint_covariance(s: np.record) -> Float:
     """Return the covariance of the errors of state and companions, (15 + k, 15 + k)."""
     k = s.companions
     joint: Float = s.P[:] if k == 0 else matrix(s.joint, _N + k, _N + k)
@@ -42,7 +40,7 @@ def joint_covariance(s: Any) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _split(s: Any, joint: Float) -> None:
+def _split(s: np.record, joint: Float) -> None:
     """Keep the covariance of the errors of state and companions, if it is not kept already."""
     k = s.companions
     if k == 0:
@@ -58,7 +56,7 @@ def _split(s: Any, joint: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def shown(s: Any, velocity: Float, after: Float) -> None:
+def shown(s: np.record, velocity: Float, after: Float) -> None:
     """Write a velocity without what may be its own error, shape (3,) [m/s].
 
     The error of a body at rest would tell of the clock at each fix. Source: the estimate of
@@ -72,7 +70,7 @@ def shown(s: Any, velocity: Float, after: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _shift(s: Any, after: Float) -> None:
+def _shift(s: np.record, after: Float) -> None:
     """Write the change of a state over time, as an error per second, shape (15,)."""
     after[:] = 0.0
     for i in range(3):
@@ -82,7 +80,7 @@ def _shift(s: Any, after: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _follow_shift(s: Any, before: Float, J: Float) -> None:
+def _follow_shift(s: np.record, before: Float, J: Float) -> None:
     """Keep the state at the receiver's time where it was when a correction changes the motion.
 
     A clock that is late by more, with a state that is later by as much, explains every fix as
@@ -109,7 +107,7 @@ def _follow_shift(s: Any, before: Float, J: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _move_state(s: Any, error: Float, J: Float) -> None:
+def _move_state(s: np.record, error: Float, J: Float) -> None:
     """Apply a correction to the state; write the derivative of what is left of its error."""
     after = s.vectors_after[:]
     move(s.R, s.p, s.v, s.gyro_bias, s.accel_bias, error, J, s.R_after[:], after)
@@ -121,7 +119,7 @@ def _move_state(s: Any, error: Float, J: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _move_companions(s: Any, error: Float, J: Float) -> None:
+def _move_companions(s: np.record, error: Float, J: Float) -> None:
     """Apply a correction to clock and clone, which turns the clone's position along.
 
     Args:
@@ -147,7 +145,7 @@ def _move_companions(s: Any, error: Float, J: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _take(s: Any, P: Float, error: Float) -> None:
+def _take(s: np.record, P: Float, error: Float) -> None:
     """Apply a correction with the covariance after it, of 15 + k dimensions."""
     n = len(error)
     J, before = matrix(s.moved, n, n), np.empty(_N)
@@ -165,7 +163,7 @@ def _take(s: Any, P: Float, error: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def correct_by(s: Any, m: int, gate: float) -> bool:
+def correct_by(s: np.record, m: int, gate: float) -> bool:
     """Correct by the measurement of m values that `residual`, `H` and `noise` of a filter hold.
 
     Returns:
@@ -175,8 +173,9 @@ def correct_by(s: Any, m: int, gate: float) -> bool:
     P, H, noise = joint_covariance(s), matrix(s.H, m, n), matrix(s.noise, m, m)
     W, L, after = matrix(s.W, m, n + 1), matrix(s.L, m, m), matrix(s.after, n, n)
     residual, error = s.residual[:m], s.error[:n]
-    s.distance2 = correct_into(P, H, residual, noise, gate, W, L, after, error)
-    if not s.distance2 <= gate:
+    distance2: float = correct_into(P, H, residual, noise, gate, W, L, after, error)
+    s.distance2 = distance2
+    if not distance2 <= gate:
         return False
     if s.clocks and s.holds_clock:
         consider_into(P, H, residual, noise, _N, W, L, after, error)

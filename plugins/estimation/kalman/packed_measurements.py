@@ -1,7 +1,6 @@
 """Measurements beside what a packed filter predicts of them, in compiled form."""
 
 import math
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.inertial.measurement_models import write_antenna, write_standstill
@@ -24,7 +23,7 @@ _N = 15
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _blank(s: Any) -> Float:
+def _blank(s: np.record) -> Float:
     """Return the derivative of a measurement of three values by the errors, zero, (3, 15 + k)."""
     H: Float = matrix(s.H, 3, _N + s.companions)
     H[:, :] = 0.0
@@ -32,7 +31,9 @@ def _blank(s: Any) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def compare_fix(s: Any, arm: Float, p_map_antenna: Float, covariance: Float, late_s: float) -> None:
+def compare_fix(
+    s: np.record, arm: Float, p_map_antenna: Float, covariance: Float, late_s: float
+) -> None:
     """Do what `compare` does, for callers in compiled code."""
     _compare_fix(s, arm, p_map_antenna, covariance, late_s)
     project_into(matrix(s.H, 3, _N + s.companions), joint_covariance(s), matrix(s.predicted, 3, 3))
@@ -40,7 +41,7 @@ def compare_fix(s: Any, arm: Float, p_map_antenna: Float, covariance: Float, lat
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _compare_fix(
-    s: Any, arm: Float, p_map_antenna: Float, covariance: Float, late_s: float
+    s: np.record, arm: Float, p_map_antenna: Float, covariance: Float, late_s: float
 ) -> None:
     """Write residual, derivative and noise of a fix."""
     H, noise, residual = _blank(s), matrix(s.noise, 3, 3), s.residual[:3]
@@ -87,7 +88,7 @@ def correct_by_compared(block: Block, gate: float) -> bool:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _correct_evenly(s: Any, std: float, gate: float) -> bool:
+def _correct_evenly(s: np.record, std: float, gate: float) -> bool:
     """Correct by three values that are known equally well, with a standard deviation."""
     noise = matrix(s.noise, 3, 3)
     for i in range(3):

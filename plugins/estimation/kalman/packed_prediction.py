@@ -1,7 +1,6 @@
 """The prediction of a packed filter, through several samples in one compiled call."""
 
 import math
-from typing import Any
 
 import numpy as np
 from executive_plugins.estimation.inertial.clock_offset import CLOCK_WALK_S
@@ -25,7 +24,7 @@ _SAMPLES = from_dtype(SAMPLE)[::1]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def acceleration_of(s: Any, after: Float) -> None:
+def acceleration_of(s: np.record, after: Float) -> None:
     """Write the acceleration at the newest sample, map axes [m/s²], shape (3,)."""
     force, b = s.sample.force, s.accel_bias
     x, y, z = force[0] - b[0], force[1] - b[1], force[2] - b[2]
@@ -35,7 +34,7 @@ def acceleration_of(s: Any, after: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _follow_motion(s: Any, stamp_s: float) -> None:
+def _follow_motion(s: np.record, stamp_s: float) -> None:
     """Let the motion at the newest sample count as usual, see `UsualMotion`."""
     if stamp_s - s.usual[2] < PERIOD_S:
         return
@@ -47,7 +46,7 @@ def _follow_motion(s: Any, stamp_s: float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _grow_clock(s: Any, rate: Float, dt_s: float) -> None:
+def _grow_clock(s: np.record, rate: Float, dt_s: float) -> None:
     """Let the clock walk, and average the rate over the time by which the clock is unknown."""
     s.own[0, 0] += dt_s * CLOCK_WALK_S**2
     weight = dt_s / (dt_s + math.sqrt(s.own[0, 0]))
@@ -56,7 +55,7 @@ def _grow_clock(s: Any, rate: Float, dt_s: float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _inflate(s: Any, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
+def _inflate(s: np.record, position_m: float, velocity_m_s: float, rotation_rad: float) -> None:
     """Do what `inflate` does."""
     for i in range(3):
         s.P[i, i] += rotation_rad**2
@@ -65,7 +64,7 @@ def _inflate(s: Any, position_m: float, velocity_m_s: float, rotation_rad: float
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _step(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
+def _step(s: np.record, stamp_s: float, rate: Float, force: Float) -> None:
     """Propagate state and covariances to a sample, and store it."""
     k, newest, dt_s = s.companions, s.sample, stamp_s - s.sample.stamp_s
     cross = matrix(s.cross_after, 15, k)
@@ -104,7 +103,7 @@ def _step(s: Any, stamp_s: float, rate: Float, force: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _predict(s: Any, stamp_s: float, since_last_s: float, rate: Float, force: Float) -> None:
+def _predict(s: np.record, stamp_s: float, since_last_s: float, rate: Float, force: Float) -> None:
     """Propagate to a sample; a gap in the samples inflates the covariance."""
     dt_s = stamp_s - s.sample.stamp_s
     if dt_s <= 0:
