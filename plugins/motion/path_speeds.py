@@ -9,6 +9,9 @@ from executive.arrays import Float
 _GRID = 0.02  # largest step of the parameter
 _BESIDE = 1e-6  # share of a step by which curvature is read beside a node, where it jumps
 _FLAT = 1e-9  # a smaller coefficient of the acceleration counts as none
+# Share of the highest b that is kept where no acceleration keeps all limits, so that the motion
+# goes on; the timing slows down as a whole until they hold.
+_LEAST_SHARE = 1e-4
 _UNBOUNDED = 1e6  # square of the parameter's speed where no joint moves
 
 
@@ -108,5 +111,5 @@ def _fastest(most: Float, du: Float, of_a: Float, of_b: Float, limit: Float) -> 
             if abs(p) >= _FLAT:
                 a = limit[j] / abs(p) - of_b[i, j] / p * b[i]
                 reached = min(reached, b[i] + 2.0 * du[i] * a)
-        b[i + 1] = max(reached, 0.0)
+        b[i + 1] = max(reached, _LEAST_SHARE * most[i + 1])
     return b

@@ -32,6 +32,35 @@ def test_keeps_all_limits_by_finite_differences(seed: int) -> None:
         assert (change <= limit * (1 + 1e-5)).all()  # rounding of third differences
 
 
+# A short way up of a machine of seven joints, as inverse kinematics gave it: the end of the line
+# and the goal that it was meant for differ by 25 µrad.
+NODES = [
+    [-0.1815442, 0.7605517, -0.0499404, 0.7666697, -0.8502788, 0.0011649, 0.4030692],
+    [-0.1815355, 0.7689612, -0.0484313, 0.7640564, -0.8601974, 0.0011649, 0.4030604],
+    [-0.1815267, 0.7772957, -0.0467470, 0.7615313, -0.8702162, 0.0011649, 0.4030517],
+    [-0.1815180, 0.7855539, -0.0448877, 0.7590959, -0.8803338, 0.0011649, 0.4030429],
+    [-0.1815425, 0.7855575, -0.0448960, 0.7590920, -0.8803291, 0.0011649, 0.4030674],
+]
+ARM = Limits(
+    np.array([0.45, 0.225, 0.36, 0.36, 0.54, 0.54, 0.63]),
+    np.array([0.225, 0.18, 0.27, 0.27, 0.45, 0.36, 0.45]),
+    np.array([1.2, 1.0, 1.5, 2.0, 3.0, 2.0, 4.0]),
+)
+
+
+@pytest.mark.parametrize("dense", [(1, 1, 0, 0), (0, 1, 1, 1), (0, 0, 0, 0)])
+@pytest.mark.parametrize("apart", [1.0, 6.0, 40.0])
+def test_nodes_that_nearly_coincide_do_not_stop_the_motion(
+    dense: tuple[int, ...], apart: float
+) -> None:
+    nodes = np.array(NODES)
+    nodes[4] += (apart - 1.0) * (nodes[4] - nodes[3])
+    path = path_through(nodes, np.array(dense, dtype=bool), ARM.velocity, ARM.acceleration)
+    trajectory = time_path(tuple("abcdefg"), path, ARM)
+    np.testing.assert_allclose(trajectory.position[[0, -1]], nodes[[0, -1]], atol=1e-9)
+    assert trajectory.duration_s < 9.0  # 1.2 s without the last node
+
+
 def test_leaves_the_path_by_a_few_milliradians_at_most() -> None:
     nodes = random_nodes(4)
     path = path_through(nodes, np.zeros(5, dtype=bool), LIMITS.velocity, LIMITS.acceleration)
