@@ -1,12 +1,16 @@
 """Find the stones in the map and enter them into the database."""
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
 from pydantic import Field
 
-from executive.config import Settings
-from executive.events.site import PartLeftOut, SiteSegmented
+from executive.arrays import Float
+from executive.config import Meters, Settings
+from executive.events.site import PartLeftOut, SiteSegmented, SurveyFitted
+from executive.geometry.local_shift import local_shift
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.segmentation import Segmenter
@@ -38,6 +42,20 @@ class SegmentMapSettings(Settings):
     at_least: int = Field(
         1, ge=0, le=1000, description="Fewer stones than this in the map are a failure."
     )
+    survey_std: Meters = Field(
+        0.04,
+        ge=0,
+        le=0.5,
+        description="Standard deviation, along each axis, of how far the registered survey lies "
+        "off the map: by what the registration leaves, and by the survey's own warp [m]. 0 merges "
+        "it as it is registered.",
+    )
+    survey_patch: Meters = Field(
+        0.75,
+        gt=0.1,
+        le=10,
+        description="Over such a distance the survey is shifted alike [m]: half of a stone.",
+    )
 
 
 class SegmentMap(Action[SegmentMapSettings]):
@@ -45,7 +63,8 @@ class SegmentMap(Action[SegmentMapSettings]):
 
     Source: Mascaro et al. 2020, Sec. 4.3 and Sec. 4.4, step 6. Deviation from the paper, which
     merges matched segments pair by pair: segmenting the merged map gives the same models and also
-    those stones that only one of the two maps shows.
+    those stones that only one of the two maps shows. Before, the survey is laid onto the map from
+    place to place, see `local_shift`: a stone that both show would have two surfaces otherwise.
     """
 
     needs = (Mapper, Segmenter, ObjectDatabase)
@@ -59,7 +78,7 @@ class SegmentMap(Action[SegmentMapSettings]):
         """
         segmenter, clouds = self.context.use(Segmenter), [(yield from map_cloud(self.context))]
         if drone_map is not None:
-            clouds.append(self._in_reach(drone_map))
+            clouds.append((yield from self._fitted(self._in_reach(drone_map), clouds[0])))
         merged = yield from self.context.job(segmenter.merge, clouds)
         if not len(merged):
             return failed("the map is empty: scan first")
@@ -79,10 +98,31 @@ class SegmentMap(Action[SegmentMapSettings]):
             return failed(f"{found} found on the site")
         return succeeded(SiteSegments(segmentation, list(stones)), f"{len(stones)} stones")
 
+    def _fitted(self, survey: Cloud, lidar_map: Cloud) -> Generator[Any, Any, Cloud]:
+        """Return the survey, shifted onto the map."""
+        s = self.settings
+        if not (s.survey_std and len(survey)):
+            return survey
+        shifts, told = yield from self.context.job(
+            _shifts, survey.points, lidar_map.points, s.survey_std, s.survey_patch
+        )
+        self.context.record(told)
+        return Cloud(survey.frame, survey.points + shifts, survey.normals)
+
     def _in_reach(self, drone_map: Cloud) -> Cloud:
         """Return the part of the survey that the arm can reach and the lidar map can confirm."""
         base = self.context.state().T_map_base[:2, 3]
         return drone_map.near(base, self.context.machine().reach_m + _BEYOND_REACH_M)
+
+
+def _shifts(
+    survey: Float, reference: Float, std_m: float, width_m: float
+) -> tuple[Float, SurveyFitted]:
+    """Return the shifts of a survey's points onto a map [m], shape (N, 3), and what they are."""
+    found = local_shift(survey, reference, std_m, width_m)
+    shifts = found.at(survey)
+    lengths_m = np.linalg.norm(shifts, axis=1)
+    return shifts, SurveyFitted(found.share, float(np.median(lengths_m)), float(lengths_m.max()))
 
 
 def _event(segmentation: Segmentation, stones: Sequence[Stone]) -> SiteSegmented:

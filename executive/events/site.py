@@ -76,6 +76,21 @@ class SurveyRegistered(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SurveyFitted(Event):
+    """The registered survey was laid onto the map from place to place, before both were merged.
+
+    Attributes:
+        share: Share of the survey that the map shows, too.
+        median_m: Median length of the shifts [m].
+        largest_m: Largest length [m].
+    """
+
+    share: float
+    median_m: float
+    largest_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PartLeftOut:
     """A part that rises from the ground and is no stone.
 

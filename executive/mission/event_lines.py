@@ -24,6 +24,9 @@ def _of_site(event: Event) -> str:
         case site.SurveyRegistered():
             verdict = "registered" if event.accepted else "refused"
             return f"drone map {verdict}: {event.reason}"
+        case site.SurveyFitted():
+            shifts = f"{100 * event.median_m:.1f} cm, at most {100 * event.largest_m:.1f} cm"
+            return f"drone map shifted by {shifts}, and the map shows {event.share:.0%} of it"
         case site.SiteSegmented():
             others = f", {len(event.left_out)} other things left out" if event.left_out else ""
             return "; ".join([f"{len(event.stones)} stones found{others}", *event.warnings])

@@ -20,6 +20,7 @@ from executive.events.site import (
     SiteSegmented,
     SiteSurveyed,
     SlotsFound,
+    SurveyFitted,
     SurveyRegistered,
 )
 from executive.interfaces.motion import MotionPlanner
@@ -220,6 +221,25 @@ def test_the_merged_map_is_segmented_and_the_stones_are_entered(stage, database,
     assert asked["cloud"].points[:, 0].max() < 20.0
     assert database.stone(1).seen_from_above == has_drone_map
     assert [event.stones for event in ended.events if isinstance(event, SiteSegmented)] == [(1, 3)]
+
+
+def test_a_survey_that_lies_a_little_off_is_laid_onto_the_map_before_they_are_merged(
+    stage, database
+):
+    grid = np.stack(np.meshgrid(*[np.arange(0, 4, 0.05)] * 2), axis=-1).reshape(-1, 2)
+    lidar = np.c_[grid + [3.0, -2.0], np.zeros(len(grid))]
+    segmenter = stage.Scripted(Segmenter, segment=segmentation(lidar), merge=merged)
+    stand = stage.Stage(mapping=stage.PointMap(lidar), segmentation=segmenter, objects=database)
+    survey = Cloud("map", lidar + [0.0, 0.0, 0.03])
+    for std_m, height_m in ((0.04, 0.0), (0.0, 0.03)):
+        ended = stand.tick(SegmentMap, settings={"survey_std": std_m}, drone_map=survey)
+        assert ended.status == "SUCCESS"
+        surveyed = segmenter.calls("segment")[-1]["cloud"].points[len(lidar) :]
+        assert surveyed[:, 2] == pytest.approx(height_m, abs=0.002)
+        told = [event for event in ended.events if isinstance(event, SurveyFitted)]
+        assert len(told) == (std_m > 0)
+        for event in told:
+            assert (event.share, event.median_m) == pytest.approx((1.0, 0.03), abs=0.002)
 
 
 def test_what_is_no_stone_is_recorded_with_its_reason(stage, database):

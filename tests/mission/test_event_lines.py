@@ -52,6 +52,9 @@ LINES = {
     "map of 34 points": site.SiteScanned(34),
     "drone map registered: 4 segments": registered(True, "4 segments"),
     "drone map refused: too few": registered(False, "too few"),
+    "drone map shifted by 1.9 cm, at most 4.4 cm, and the map shows 86% of it": site.SurveyFitted(
+        0.857, 0.0189, 0.0436
+    ),
     "3 stones found": segmented(()),
     "3 stones found, 2 other things left out; dim; flat": segmented((1, 2), "dim", "flat"),
     "0 free places": site.SlotsFound(()),
