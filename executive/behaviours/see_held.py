@@ -26,13 +26,13 @@ from executive.leaf.held_starts import STEP_RAD, held_starts
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.surroundings import held_surface
 from executive.leaf.watched import watched
+from executive.leaf.way_up import risen_m, way_up
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.command import SwitchLidars
 from executive.messages.hold import Hold
-from executive.messages.request import MoveRequest
 
 # Two motions are two when they differ by more than the error that a look is allowed, twice.
 _APART_M, _APART_RAD = 0.1, 0.15
@@ -159,22 +159,11 @@ class SeeHeld(Action[SeeHeldSettings]):
 
     def _raise(self, hold: Hold) -> Generator[Any, Any, Outcome[None]]:
         """Raise the stone straight up, with the lidars on once it is clear of the ground."""
-        goal = self.context.gripper()
-        clear_m = goal[2, 3] + self.settings.clear
-        way_m = self.settings.clear + self.settings.rise
-        goal[2, 3] += way_m
-        obstacles = yield from surroundings(self.context, hold.stone_id)
-        request = MoveRequest(
-            start=self.context.arm(),
-            T_map_gripper=goal,
-            T_map_base=self.context.state().T_map_base,
-            leave_m=way_m,
-            arrive_m=0.0,
-            obstacles=obstacles,
-            held_gripper=held_surface(self.context, hold),
-            jaw_rad=hold.jaw_rad,
-        )
-        plan = yield from self.context.job(self.context.use(MotionPlanner).move, request)
+        s = self.settings
+        clear_m = hold.T_map_gripper[2, 3] + s.clear
+        # From where a trial lift has ended; a stone that hangs higher already passes them, too.
+        way_m = max(s.clear - risen_m(self.context, hold), 0.0) + s.rise
+        plan = yield from way_up(self.context, hold, way_m)
         if plan.trajectory is None:
             return failed(f"no path up: {plan.reason}")
         robot, are_on = self.context.use(Robot), False

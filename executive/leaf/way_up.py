@@ -1,0 +1,39 @@
+"""Plan the way of a held stone straight up: the step that a trial lift and a look share."""
+
+from collections.abc import Generator
+from typing import Any
+
+from executive.interfaces.motion import MotionPlanner
+from executive.leaf.context import Context
+from executive.leaf.surroundings import held_surface, surroundings
+from executive.messages.hold import Hold
+from executive.messages.request import MotionPlan, MoveRequest
+
+
+def risen_m(context: Context, hold: Hold) -> float:
+    """Return the height of the gripper above where it has grasped the stone [m]."""
+    return float(context.gripper()[2, 3] - hold.T_map_gripper[2, 3])
+
+
+def way_up(context: Context, hold: Hold, way_m: float) -> Generator[Any, Any, MotionPlan]:
+    """Plan from where the gripper is straight up.
+
+    Args:
+        context: The leaf's view of the mission; it needs motion, mapping and objects.
+        hold: Which stone is held, and how.
+        way_m: How far [m].
+    """
+    goal = context.gripper()
+    goal[2, 3] += way_m
+    obstacles = yield from surroundings(context, hold.stone_id)
+    request = MoveRequest(
+        start=context.arm(),
+        T_map_gripper=goal,
+        T_map_base=context.state().T_map_base,
+        leave_m=way_m,
+        arrive_m=0.0,
+        obstacles=obstacles,
+        held_gripper=held_surface(context, hold),
+        jaw_rad=hold.jaw_rad,
+    )
+    return (yield from context.job(context.use(MotionPlanner).move, request))
