@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from executive.arrays import Bool, Float, Int
-from executive.geometry.voxels import voxel_means
 
 _CELL_M = 0.25  # of the grid of shifts
 _SPACING_M = 0.05  # of the points that are compared
@@ -44,7 +43,7 @@ class LocalShift:
 
     def at(self, points: Float) -> Float:
         """Return the shifts of points (N, 3) [m], linear between the middles of cells, (N, 3)."""
-        from scipy.ndimage import map_coordinates  # reading a mission imports no algorithm
+        from scipy.ndimage import map_coordinates
 
         cells = ((points[:, :2] - self.corner) / _CELL_M - 0.5).T
         along = [
@@ -71,6 +70,8 @@ def local_shift(survey: Float, reference: Float, std_m: float, width_m: float) -
         width_m: Standard deviation of the weight around a place [m]: within it, the shift hardly
             changes.
     """
+    from executive.geometry.voxels import voxel_means  # reading a mission imports no algorithm
+
     points, surface = voxel_means(survey, _SPACING_M), voxel_means(reference, _SPACING_M)
     if not len(points) or len(surface) < _NEIGHBOURS:
         return LocalShift(np.zeros((1, 1, 3)), np.zeros(2), np.zeros(len(points), dtype=bool))

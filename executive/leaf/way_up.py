@@ -1,10 +1,10 @@
 """Plan the way of a held stone straight up: the step that a trial lift and a look share."""
 
 from collections.abc import Generator
-from typing import Any
 
 from executive.interfaces.motion import MotionPlanner
 from executive.leaf.context import Context
+from executive.leaf.job import Job
 from executive.leaf.surroundings import held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan, MoveRequest
@@ -15,7 +15,9 @@ def risen_m(context: Context, hold: Hold) -> float:
     return float(context.gripper()[2, 3] - hold.T_map_gripper[2, 3])
 
 
-def way_up(context: Context, hold: Hold, way_m: float) -> Generator[Any, Any, MotionPlan]:
+def way_up(
+    context: Context, hold: Hold, way_m: float
+) -> Generator[Job[object], object, MotionPlan]:
     """Plan from where the gripper is straight up.
 
     Args:

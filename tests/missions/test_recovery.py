@@ -13,7 +13,7 @@ from executive.messages.command import MoveJaws
 
 pytestmark = pytest.mark.mission
 
-CARRIED_S = 6.0  # after the grasp: the stone was seen in the jaws, and is on its way
+CARRIED_S = 8.0  # after the grasp: the stone was seen in the jaws, and is on its way
 WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsional [m]
 SLIPPED_M = 0.03  # twice what counts as a slip; the stone is still in the jaws
 FORCE_N = 20e3
@@ -53,7 +53,7 @@ class Fault(ABC):
 class OpenJaws(Fault):
     """A valve opens the jaws: the stone falls. With this seed the second grasp holds."""
 
-    seeds = (4,)
+    seeds = (9,)
 
     def begin(self, world):
         world.move_jaws(MoveJaws(world.machine.jaw.upper, FORCE_N))
@@ -66,11 +66,10 @@ class WetStone(Fault):
     """The stone is slippery for as long as it takes to slip by some centimetres.
 
     Whether it falls before it stands differs between seeds and between processors. On the one on
-    which they were chosen it did not with 6, 1, 8 and 9; with 2 and 7 it fell before it was set
-    down, with 3 and 5 while it was, and with 4 it was carried to its place before it slipped.
+    which they were chosen it did not with 8, 1 and 6. With 8 the second attempt places it.
     """
 
-    seeds = (6, 1, 8, 9)
+    seeds = (8, 1, 6)
 
     def begin(self, world):
         stone = world.model.body(world.site.stones[0].name)

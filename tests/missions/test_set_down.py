@@ -189,7 +189,7 @@ def test_a_stone_that_slips_above_its_place_is_set_down_there(
     answer = rehearsed(
         command_line, tmp_path,
         "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
-        "  SeeHeld: success", "  DetectSlip: [success, failure]",
+        "  TrialLift: success", "  SeeHeld: success", "  DetectSlip: [success, failure]",
         f"  HasArrived: {arrivals}", "  IsHolding: success", "  IsHanging: failure",
         "  VerifyPlacement: success",
         "expect:", f"  visited: [{visited}]", f"  not_visited: [{other}]",
