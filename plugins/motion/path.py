@@ -73,10 +73,15 @@ def path_through(
 
 
 def _apart(nodes: Float) -> Int:
-    """Return which nodes are passed: the first, the last, and those that differ from both sides."""
+    """Return which nodes are passed: the ends, and those that differ from their neighbours."""
     kept = [0]
     for k in range(1, len(nodes) - 1):
-        neighbours = nodes[kept[-1]], nodes[-1]
-        if all(np.abs(nodes[k] - one).max() > _SAME for one in neighbours):
+        if not _is_same(nodes[k], nodes[kept[-1]]):
             kept.append(k)
+    while len(kept) > 1 and _is_same(nodes[kept[-1]], nodes[-1]):
+        kept.pop()
     return np.array([*kept, len(nodes) - 1])
+
+
+def _is_same(one: Float, other: Float) -> bool:
+    return bool(np.abs(one - other).max() <= _SAME)

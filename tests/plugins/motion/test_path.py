@@ -48,3 +48,9 @@ def test_a_rest_to_rest_interval_is_as_long_as_its_slowest_joint_needs() -> None
 def test_nodes_that_coincide_make_a_short_path_not_a_crash() -> None:
     path = path_through(np.zeros((3, 2)), np.zeros(2, dtype=bool), VELOCITY, ACCELERATION)
     np.testing.assert_array_equal(path.position(np.array([0.0, path.length])), np.zeros((2, 2)))
+
+
+def test_a_node_where_the_path_ends_later_is_passed_on_the_way() -> None:
+    there_and_back = np.array([[0.0, 0.0], [0.5, 0.2], [-0.5, 0.1], [0.5, 0.2]])
+    path = path_through(there_and_back, np.zeros(3, dtype=bool), VELOCITY, ACCELERATION)
+    np.testing.assert_allclose(path.position(path.parameters), there_and_back, atol=1e-12)
