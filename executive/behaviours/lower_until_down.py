@@ -23,6 +23,7 @@ from executive.leaf.rest import come_to_rest
 from executive.leaf.steady_line import steady_line
 from executive.leaf.surroundings import surroundings
 from executive.leaf.watched import watched
+from executive.leaf.weighing import hanging_kg
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.request import MotionPlan, MoveRequest
@@ -76,7 +77,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
             return failed(moving)
         planned_m, weight = placement.T_map_gripper[2, 3], self.context.weight()
         while True:
-            left_kg = yield from self._left_kg()
+            left_kg = yield from hanging_kg(self.context, self.settings.window)
             above_m = self._height_m() - planned_m
             if weight is None or left_kg is None:
                 lowered = yield from self._lower(hold, max(above_m, 0.0))
@@ -90,26 +91,16 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
                     f"stone {hold.stone_id} still hangs in the jaws with {left_kg:.0f} kg, "
                     f"{-above_m:.2f} m below its place: the ground was not met"
                 )
-            hanging_kg = _STANDS * weight.mass_kg
-            lowered = yield from self._sink(hold, above_m + self.settings.below, hanging_kg)
+            least_kg = _STANDS * weight.mass_kg
+            lowered = yield from self._sink(hold, above_m + self.settings.below, least_kg)
             if not lowered.success:
                 return lowered
 
     def _height_m(self) -> float:
         return float(self.context.gripper()[2, 3])
 
-    def _left_kg(self) -> Generator[None, None, float | None]:
-        """Return the mean of the mass in the jaws over a window [kg]; None if none is told."""
-        began_s, masses = self.context.now_s(), []
-        while self.context.now_s() - began_s < self.settings.window:
-            yield None
-            mass_kg = self.context.payload_kg()
-            if mass_kg is not None:
-                masses.append(mass_kg)
-        return float(np.mean(masses)) if masses else None
-
     def _sink(
-        self, hold: Hold, way_m: float, hanging_kg: float
+        self, hold: Hold, way_m: float, least_kg: float
     ) -> Generator[Any, Any, Outcome[None]]:
         """Lower the gripper by as much of a way as is free, until less hangs than a mass.
 
@@ -122,7 +113,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
         if plan.trajectory is None:
             return failed(f"no path down: {plan.reason}")
         motion = follow(self.context, self._slow(plan.trajectory))
-        sunk = yield from watched(motion, self._hangs(hanging_kg))
+        sunk = yield from watched(motion, self._hangs(least_kg))
         moving = (yield from come_to_rest(self.context)) if sunk.success else ""
         return failed(moving) if moving else sunk
 
@@ -135,7 +126,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
             return failed(f"no path down: {plan.reason}")
         return (yield from follow(self.context, plan.trajectory))
 
-    def _hangs(self, hanging_kg: float) -> Callable[[], bool]:
+    def _hangs(self, least_kg: float) -> Callable[[], bool]:
         """Return a function that tells at each tick whether the jaws carry more than a mass.
 
         Its mean is over the window, or over what has passed of it; an arm that moves steadily is
@@ -149,7 +140,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
                 masses.append((now_s, mass_kg))
             while masses and now_s - masses[0][0] > self.settings.window:
                 masses.popleft()
-            return not masses or float(np.mean([mass for _, mass in masses])) >= hanging_kg
+            return not masses or float(np.mean([mass for _, mass in masses])) >= least_kg
 
         return hangs
 

@@ -23,6 +23,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.weighing import least_kg
 from executive.machine.jaw_clearance import angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
@@ -81,8 +82,11 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             stone = yield from self._released(hold, T_map_gripper, placement)
         self.context.show(f"stones/{stone.id}", stone)
         self._record(stone, placement)
-        if (weight := self.context.weight()) is not None:
-            self.context.use(ObjectDatabase).weigh(stone.id, weight, self.context.now_s())
+        weight, objects = self.context.weight(), self.context.use(ObjectDatabase)
+        # What was let go before it hung free weighs more than the jaws told.
+        least = 0.0 if placement is not None else least_kg(stone, objects.stones())
+        if weight is not None and weight.mass_kg >= least:
+            objects.weigh(stone.id, weight, self.context.now_s())
             self.context.record(StoneWeighed(stone.id, weight.mass_kg, weight.std_kg))
         return succeeded()
 

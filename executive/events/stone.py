@@ -88,6 +88,23 @@ class ArrivedEarly(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StoneNotLifted(Event):
+    """A stone that was lifted by a little for a trial still stands with a part of its weight.
+
+    Attributes:
+        stone: Id of the stone.
+        up_m: Height of the gripper above the grasp [m].
+        hanging_kg: What hangs in the jaws [kg].
+        least_kg: Least that the stone weighs by what is known of it [kg].
+    """
+
+    stone: int
+    up_m: float
+    hanging_kg: float
+    least_kg: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StoneTouchedDown(Event):
     """A stone that was lowered stands: its weight has left the jaws.
 

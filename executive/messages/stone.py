@@ -77,11 +77,14 @@ class Stone:
         return volume_and_centroid(self.points_map)[0]
 
     @property
+    def mass_by_volume_kg(self) -> float:
+        """Mass [kg] by the volume, whether it was weighed or not."""
+        return self.volume_m3 * STONE_DENSITY_KG_M3
+
+    @property
     def mass_kg(self) -> float:
         """Mass [kg], weighed or estimated as `mass_source` tells."""
-        if self.weight is not None:
-            return self.weight.mass_kg
-        return self.volume_m3 * STONE_DENSITY_KG_M3
+        return self.mass_by_volume_kg if self.weight is None else self.weight.mass_kg
 
     @property
     def mass_source(self) -> str:

@@ -54,6 +54,11 @@ def _of_driving(event: Event) -> str:
     return ""
 
 
+def _hanging(event: stone.StoneNotLifted) -> str:
+    """Return how much of a stone hangs in the jaws."""
+    return f"{event.hanging_kg:.0f} of at least {event.least_kg:.0f} kg hang in the jaws"
+
+
 def _of_stone(event: Event) -> str:
     """Return what became of a stone."""
     match event:
@@ -63,6 +68,8 @@ def _of_stone(event: Event) -> str:
             return f"stone {event.stone}: grasped at {event.jaw_rad:.2f} rad"
         case stone.JawsClosedOnNothing():
             return f"stone {event.stone}: {event.reason}"
+        case stone.StoneNotLifted():
+            return f"stone {event.stone}: not lifted, {_hanging(event)}"
         case stone.StoneTouchedDown():
             return f"stone {event.stone}: stands, {event.above_m:+.2f} m from the planned height"
         case stone.StoneReleased():

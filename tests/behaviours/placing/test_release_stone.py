@@ -7,7 +7,7 @@ from executive.behaviours.plan_placement import PlanPlacement
 from executive.behaviours.plan_set_down import PlanSetDown
 from executive.behaviours.release_stone import ReleaseStone
 from executive.behaviours.verify_placement import VerifyPlacement
-from executive.events.stone import StoneLetGo, StoneReleased
+from executive.events.stone import StoneLetGo, StoneReleased, StoneWeighed
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import from_rpy
 from executive.messages.hold import Hold
@@ -89,6 +89,15 @@ def test_a_stone_that_hangs_in_the_opened_jaws_is_not_placed(world, database):
     assert (ended.status, "hangs in the jaws with 1450 kg" in ended.reason) == ("FAILURE", True)
     world.leaf_context.payload = 40.0
     assert world.tick(VerifyPlacement, stone=1, placement=planned).status == "SUCCESS"
+
+
+def test_a_stone_that_is_let_go_before_it_hung_free_keeps_no_weight(world, database):
+    """The ground carried a part of it: the jaws told less than half of what its volume does."""
+    whole_kg = database.stone(1).mass_kg
+    world.leaf_context.weighed = Weight(0.4 * whole_kg, 20.0)
+    assert world.tick(ReleaseStone, hold=world.hold).status == "SUCCESS"
+    assert database.stone(1).weight is None
+    assert not any(isinstance(one, StoneWeighed) for one in world.leaf_context.events)
 
 
 def test_what_was_weighed_is_kept_with_the_stone(world, database):
