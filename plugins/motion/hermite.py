@@ -39,7 +39,7 @@ class Hermite(MotionPlanner):
     """Plans moves and sweeps (Mascaro 2020, Sec. 6.1); deterministic and stateless."""
 
     Settings = HermiteSettings
-    latency_s: ClassVar[Mapping[str, float]] = {"move": 0.3, "swing": 0.1, "move_joints": 0.3}
+    latency_s: ClassVar[Mapping[str, float]] = {"move": 0.1, "swing": 0.1, "move_joints": 0.1}
     is_stateless = True
 
     def __init__(self, settings: HermiteSettings, machine: Machine) -> None:
