@@ -53,6 +53,7 @@ class _Search:
     """The search for one stone.
 
     Attributes:
+        generator: Proposes the places.
         built: The structure as it stands.
         usable: All stones that may be used.
         rng: The only source of chance.
@@ -64,6 +65,7 @@ class _Search:
         rested: Those at which the stone was let tilt, as it first touched.
     """
 
+    generator: Generator
     built: AsBuilt
     usable: Sequence[SolidStone]
     rng: np.random.Generator
@@ -72,6 +74,11 @@ class _Search:
     found: dict[str, Sequence[Place]] = field(default_factory=dict)
     checked: set[tuple[str, bytes]] = field(default_factory=set)
     rested: set[tuple[str, bytes]] = field(default_factory=set)
+
+    def go_on_with(self, generator: Generator) -> None:
+        """Propose places by this generator from now on."""
+        if generator is not self.generator:
+            self.generator, self.found = generator, {}
 
     def unchecked(self, places: Sequence[Place]) -> list[Place]:
         """Return the places that were not checked yet."""
@@ -90,6 +97,8 @@ class DryStone(StructurePlanner):
         s = self._settings = settings
         parts = s.generator, s.scorer, s.check
         self._generator: Generator = part_of(parts[0].part, "generator", _GENERATORS, parts[0])
+        finer = parts[0].model_copy(update={"turns": parts[0].turns * parts[0].finer})
+        self._finer: Generator = part_of(parts[0].part, "generator", _GENERATORS, finer)
         self._scorer: Scorer = part_of(parts[1].part, "scorer", _SCORERS, parts[1])
         self._check: StabilityCheck = part_of(parts[2].part, "check", _CHECKS, parts[2])
 
@@ -112,15 +121,27 @@ class DryStone(StructurePlanner):
         usable = self._usable(inventory, refused)
         if reason := _why_none(inventory, usable, refused):
             return BuildPlan((), reason, dict(refused), self._detail(reason))
-        search = _Search(built, usable, rng, may_go_on, refused)
+        search = _Search(self._generator, built, usable, rng, may_go_on, refused)
         stones = self._tried_first(usable, rng)
-        targets = self._first(stones, self._settings.generator.kept, search)
-        if not targets and may_go_on():
-            # Too few candidates look like a full structure: as many a stone as there are checks.
-            targets = self._first(stones, self._settings.check.tries, search)
+        targets: list[BuildTarget] = []
+        for generator, kept in self._rounds():
+            search.go_on_with(generator)
+            targets = self._first(stones, kept, search)
+            if targets or not may_go_on():
+                break
         if not targets and not may_go_on():
             refused["out_of_time"] += 1
         return _plan(targets, refused, len(usable))
+
+    def _rounds(self) -> list[tuple[Generator, int]]:
+        """Return by whom, and how many a stone, places are proposed until one holds.
+
+        Too few candidates look like a full structure: as many a stone as there are checks, and then
+        the same of more turns.
+        """
+        kept, tries = self._settings.generator.kept, self._settings.check.tries
+        rounds = [(self._generator, kept), (self._generator, tries)]
+        return rounds if self._settings.generator.finer == 1 else [*rounds, (self._finer, tries)]
 
     def _first(
         self, stones: Sequence[SolidStone], kept: int, search: "_Search"
@@ -189,14 +210,14 @@ class DryStone(StructurePlanner):
     def _find(self, stones: Sequence[SolidStone], search: "_Search") -> None:
         """Go through all places of those stones that were not gone through yet."""
         new = [one for one in stones if one.name not in search.found]
-        found = self._generator.places(search.built, new, search.rng, search.may_go_on)
+        found = search.generator.places(search.built, new, search.rng, search.may_go_on)
         most = max(self._settings.generator.kept, self._settings.check.tries)
         for stone, places in zip(new, found, strict=False):  # fewer if the time is over
             search.found[stone.name] = self._best(places, most, search)
 
     def _at_rest(self, ranked: Sequence[Place], search: "_Search") -> list[Place]:
         """Return the best places anew, each in the tilt in which its stone comes to rest there."""
-        s, generator = self._settings.generator, self._generator
+        s, generator = self._settings.generator, search.generator
         if s.attitude == "kept" or not s.rested or not isinstance(generator, TiltsToRest):
             return list(ranked)
         found: list[Place] = []

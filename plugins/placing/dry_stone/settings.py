@@ -52,6 +52,9 @@ class GeneratorSettings(Settings):
         "onto other sides."))  # fmt: skip
     sides: int = Field(6, ge=1, le=20, description="Broad sides of each stone that are tried.")
     turns: int = Field(10, ge=1, le=36, description="Turns about the vertical of each side.")
+    finer: int = Field(3, ge=1, le=10, description=(
+        "How many times as many turns are tried before nothing is said to fit; 1 tries no more."
+    ))  # fmt: skip
     touch: Meters = Field(0.03, gt=0, le=0.2, description="Gap that counts as touching [m].")
     most_outside: float = Field(
         0.12, ge=0, le=1, description="Largest share of the stone, from above, off the envelope."

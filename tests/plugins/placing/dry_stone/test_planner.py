@@ -21,7 +21,8 @@ from executive.messages.solid_stone import SolidStone
 from executive.messages.structure import Structure
 from executive.testing.exercises.building import bare, box, boxes, first_course
 
-UNCHECKED = {"check": {"part": "none"}, "generator": {"sides": 2, "turns": 2, "cell": 0.1}}
+GENERATOR = {"sides": 2, "turns": 2, "cell": 0.1, "finer": 1}
+UNCHECKED = {"check": {"part": "none"}, "generator": GENERATOR}
 RULES = DropRules(0.03, 0.0, 0.0, 1)
 
 
