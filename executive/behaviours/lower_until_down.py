@@ -22,6 +22,7 @@ from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.steady_line import steady_line
 from executive.leaf.surroundings import surroundings
+from executive.leaf.tool_way import tool_way
 from executive.leaf.watched import watched
 from executive.leaf.weighing import hanging_kg
 from executive.messages.hold import Hold
@@ -163,12 +164,6 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
 
     def _slow(self, trajectory: JointTrajectory) -> JointTrajectory:
         """Return the way down at the speed of a step in each window."""
-        from executive.machine.kinematics import Kinematics  # reading a mission imports it not
-
-        kinematics = Kinematics(self.context.machine())
-        places = np.array([kinematics.gripper(q)[:3, 3] for q in trajectory.position])
-        passed_m = np.concatenate(
-            [[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))]
-        )
+        passed_m = tool_way(self.context.machine(), trajectory)
         window_s = self.settings.window
         return steady_line(trajectory, passed_m, self.settings.step / window_s, window_s)

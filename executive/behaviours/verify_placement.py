@@ -1,5 +1,6 @@
 """Ask whether a released stone stands where it was planned."""
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,14 +12,16 @@ from executive.events.stone import PlacementVerified, StoneSetAside
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.objects import ObjectDatabase
-from executive.leaf.action import Condition
+from executive.leaf.action import Action, Steps
 from executive.leaf.lost import mark_lost
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.sightings import is_turn_known, sightings
+from executive.leaf.weighing import hanging_kg
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
 
+_WEIGHED_S = 1.0  # time over which a stone that seems to hang is weighed
 _HANGS = 0.5  # share of the stone's weight above which it is still in the jaws
 
 
@@ -49,7 +52,7 @@ class _Found:
     reason: str
 
 
-class VerifyPlacement(Condition[VerifyPlacementSettings]):
+class VerifyPlacement(Action[VerifyPlacementSettings]):
     """Compare a stone's pose, as it was seen after the release, with the plan.
 
     It needs a scan and `RelocateAndRealign` or `FindAgain` before. A stone that was not recognised
@@ -62,7 +65,7 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
     needs = (ObjectDatabase, Monitor)
     on_resume = OnResume.REDO
 
-    def check(self, stone: int, placement: Placement) -> Outcome[None]:
+    def run(self, stone: int, placement: Placement) -> Steps[None]:
         """Compare, and record what was found.
 
         Args:
@@ -71,10 +74,11 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
         """
         objects = self.context.use(ObjectDatabase)
         known = objects.stone(stone)
-        hanging_kg, seen = self._hanging_kg(), sightings(objects, stone)
-        if hanging_kg is None and not seen:
+        left_kg = yield from self._hanging_kg()
+        seen = sightings(objects, stone)
+        if left_kg is None and not seen:
             return self._unseen(known, placement)
-        found = self._compared(known, placement, hanging_kg, "replaced" in seen)
+        found = self._compared(known, placement, left_kg, "replaced" in seen)
         self._record(known, placement, "off" if found.reason else "placed", found)
         if found.reason:
             return self._decided(known, f"stone {stone} {found.reason}")
@@ -85,9 +89,14 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
             told += ", by a surface that is not the one it was found with"
         return succeeded(reason=told)
 
-    def _hanging_kg(self) -> float | None:
-        """Return the mass in the jaws if it is most of the weighed stone's, else None."""
+    def _hanging_kg(self) -> Generator[None, None, float | None]:
+        """Return the mass in the jaws if it is most of the weighed stone's, else None.
+
+        One sample alone says little: opened jaws that vibrate shake the arm by a tonne.
+        """
         weight, mass_kg = self.context.weight(), self.context.payload_kg()
+        if weight is not None and mass_kg is not None and mass_kg >= _HANGS * weight.mass_kg:
+            mass_kg = yield from hanging_kg(self.context, _WEIGHED_S)
         if weight is None or mass_kg is None or mass_kg < _HANGS * weight.mass_kg:
             return None
         return mass_kg
@@ -102,15 +111,15 @@ class VerifyPlacement(Condition[VerifyPlacementSettings]):
         return succeeded(reason=f"{reason}; it is lost")
 
     def _compared(
-        self, stone: Stone, placement: Placement, hanging_kg: float | None, has_turned: bool
+        self, stone: Stone, placement: Placement, left_kg: float | None, has_turned: bool
     ) -> _Found:
         T_planned_now = stone.T_map_object @ inverse(placement.T_map_object)
         planned = transform(inverse(T_planned_now), stone.centroid_map[None])[0]
         off_m = float(np.linalg.norm(stone.centroid_map - planned))
         tilt_rad = float(np.arccos(np.clip(T_planned_now[2, 2], -1.0, 1.0)))
         wrong = []
-        if hanging_kg is not None:
-            wrong.append(f"hangs in the jaws with {hanging_kg:.0f} kg")
+        if left_kg is not None:
+            wrong.append(f"hangs in the jaws with {left_kg:.0f} kg")
         if off_m > self.settings.position:
             wrong.append(f"is {off_m:.2f} m off its place")
         if tilt_rad > self.settings.tilt:

@@ -4,15 +4,21 @@ import numpy as np
 import pytest
 
 from executive.behaviours.plan_set_down import PlanSetDown
+from executive.geometry.pose import pose
+from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
-from tests.behaviours.placing.scene import NO_WAY, plugins
+from executive.leaf.tool_way import tool_way
+from executive.messages.hold import Hold
+from executive.messages.request import MotionPlan
+from executive.messages.trajectory import JointTrajectory
+from tests.behaviours.placing.scene import NO_PATH, NO_WAY, plugins
 
 
 def test_a_slipping_stone_is_set_down_on_the_ground_below(stage, world):
     motion = plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.found)
     ended = world.tick(PlanSetDown, hold=world.hold)
     assert ended.status == "SUCCESS"
-    assert ended.outputs == {"trajectory": world.path}
+    np.testing.assert_array_equal(ended.outputs["trajectory"].position[-1], world.path.position[-1])
     (asked,) = motion.calls("move")
     # The gripper is at 2 m and has risen by 1.5 m since the grasp on the ground.
     z = asked["request"].T_map_gripper[2, 3]
@@ -67,3 +73,26 @@ def test_a_stone_is_not_set_down_without_a_path_or_a_gap(world):
     world.leaf_context.gripper = lambda: low.copy()
     ended = world.tick(PlanSetDown, hold=world.hold)
     assert (ended.status, ended.reason) == ("FAILURE", "the stone is at the ground already")
+
+
+def test_the_way_down_is_slow_where_a_stone_that_has_turned_may_stand(stage, world):
+    """Held by the middle of its sides, with 0.8 m to the farthest corner, 0.35 m below the tips."""
+    context = world.leaf_context
+    machine = context.machine()
+    R = from_rpy(0.0, np.pi / 2, 0.0)  # the palm looks down
+    hold = Hold(1, pose(R, np.array([5.0, 0.0, 1.4])), 0.6)
+    context.gripper = lambda: pose(R, np.array([5.0, 0.0, 2.9]))
+    stamps = np.linspace(0.0, 2.0, 101)
+    position = np.tile(context.arm(), (len(stamps), 1))
+    u = stamps / 2.0
+    position[:, machine.arm_names.index("J_BOOM")] -= 0.4 * (3 * u**2 - 2 * u**3)
+    fast = JointTrajectory(
+        machine.arm_names, stamps, position, np.gradient(position, stamps, axis=0)
+    )
+    plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=MotionPlan(fast, "", NO_PATH))
+    planned = world.tick(PlanSetDown, hold=hold).outputs["trajectory"]
+    way_m = tool_way(machine, planned)
+    speed, left_m = np.diff(way_m) / np.diff(planned.times_s), way_m[-1] - way_m[1:]
+    assert speed.max() > 0.5
+    assert speed[left_m < 0.15].max() == pytest.approx(0.15, rel=0.05)
+    assert planned.duration_s > fast.duration_s

@@ -1,5 +1,7 @@
 """ReleaseStone, ticked to success and to failure."""
 
+from itertools import cycle
+
 import numpy as np
 import pytest
 
@@ -89,6 +91,16 @@ def test_a_stone_that_hangs_in_the_opened_jaws_is_not_placed(world, database):
     assert (ended.status, "hangs in the jaws with 1450 kg" in ended.reason) == ("FAILURE", True)
     world.leaf_context.payload = 40.0
     assert world.tick(VerifyPlacement, stone=1, placement=planned).status == "SUCCESS"
+
+
+def test_jaws_that_vibrate_hold_nothing(world, database):
+    """A sample in two tells more than half of the stone, and the mean nothing."""
+    planned = set_down(world, database, realigned=pose())
+    context, told = world.leaf_context, cycle([900.0, -900.0])
+    context.weighed = Weight(1500.0, 30.0)
+    context.payload_kg = lambda: next(told)
+    assert world.tick(VerifyPlacement, stone=1, placement=planned).status == "SUCCESS"
+    assert context.time_s >= 1.0  # it was weighed for a second
 
 
 def test_a_stone_that_is_let_go_before_it_hung_free_keeps_no_weight(world, database):
