@@ -142,19 +142,21 @@ def _motions(
     t: Float, s: Float, pairs_t: Int, pairs_s: Int, tolerance_m: float, every: int
 ) -> Float:
     found, seen = np.empty((_MOST_MOTIONS + 2, 2, 3)), 0
-    kept = 0
+    kept, lengths = 0, np.array([_length(t, pair) for pair in pairs_t])
     for pair_s in pairs_s:
         length, d_s = _length(s, pair_s), s[pair_s[1]] - s[pair_s[0]]
-        middle_s = 0.5 * (s[pair_s[0]] + s[pair_s[1]])
-        for pair_t in pairs_t:
-            if length < _LEAST_PAIR_M or abs(_length(t, pair_t) - length) > tolerance_m:
+        if length < _LEAST_PAIR_M:
+            continue
+        middle_s, yaw_s = 0.5 * (s[pair_s[0]] + s[pair_s[1]]), np.arctan2(d_s[1], d_s[0])
+        for p, pair_t in enumerate(pairs_t):
+            if abs(lengths[p] - length) > tolerance_m:
                 continue
             d_t, middle_t = t[pair_t[1]] - t[pair_t[0]], 0.5 * (t[pair_t[0]] + t[pair_t[1]])
             for sign in (1.0, -1.0):
                 seen += 1
                 if (seen - 1) % every or kept == len(found):
                     continue
-                yaw = np.arctan2(sign * d_t[1], sign * d_t[0]) - np.arctan2(d_s[1], d_s[0])
+                yaw = np.arctan2(sign * d_t[1], sign * d_t[0]) - yaw_s
                 c, w = np.cos(yaw), np.sin(yaw)
                 found[kept, 0] = (c, -w, middle_t[0] - c * middle_s[0] + w * middle_s[1])
                 found[kept, 1] = (w, c, middle_t[1] - w * middle_s[0] - c * middle_s[1])
@@ -189,14 +191,27 @@ def _support(
     """Return for each motion by how much its centroids are nearer to others than the vote's reach,
     in sum [m].
     """
-    support = np.zeros(len(headings))
+    nx, ny = nearest.shape
+    names, targets = nearest.reshape(-1) + 1, np.full((len(t) + 1, 2), np.inf)  # the first is none
+    targets[1:] = t
+    support, cells = np.zeros(len(headings)), np.empty(len(s), dtype=np.int32)
+    us, vs, xs, ys = s[:, 0].copy(), s[:, 1].copy(), np.empty(len(s)), np.empty(len(s))
     for h in range(len(headings)):
+        (a, b, c), (d, e, f) = headings[h]
+        # Step by step for all centroids, as processors then take several at once: a third of the
+        # time. Beyond the border no target is within reach, so that its cells serve.
         for n in range(len(s)):
-            x, y = _moved(headings[h], s[n])
-            i, j = int(np.floor((x - low[0]) / cell_m)), int(np.floor((y - low[1]) / cell_m))
-            if 0 <= i < nearest.shape[0] and 0 <= j < nearest.shape[1] and nearest[i, j] >= 0:
-                dx, dy = x - t[nearest[i, j], 0], y - t[nearest[i, j], 1]
-                support[h] += max(vote_m - np.sqrt(dx * dx + dy * dy), 0.0)
+            xs[n], ys[n] = a * us[n] + b * vs[n] + c, d * us[n] + e * vs[n] + f
+            i = np.int32(min(max((xs[n] - low[0]) / cell_m, 0.0), nx - 1.0))
+            j = np.int32(min(max((ys[n] - low[1]) / cell_m, 0.0), ny - 1.0))
+            cells[n] = i * np.int32(ny) + j
+        for n in range(len(s)):
+            name = names[cells[n]]
+            xs[n], ys[n] = xs[n] - targets[name, 0], ys[n] - targets[name, 1]
+        for n in range(len(s)):
+            xs[n] = vote_m - np.sqrt(xs[n] * xs[n] + ys[n] * ys[n])
+        for n in range(len(s)):
+            support[h] += xs[n] if xs[n] > 0.0 else 0.0
     return support
 
 
