@@ -7,6 +7,7 @@ over such distances. What only one of the clouds could see says nothing.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from executive_plugins.registration.laid_stone import LaidStone
@@ -62,13 +63,15 @@ class Evidence:
         self._min_overlap = min_overlap
         self._per_point = (target.spacing_m / _PATCH_M) ** 2  # observations
 
-    def count_alike(self, motion: Similarity, pairs: Pairs) -> int:
-        """Return how many pairs of segments may agree once the motion is refined to the end.
+    def count_alike(self, motion: Similarity, pairs: Pairs, enough: int) -> int:
+        """Return how many pairs of segments may agree once the motion is refined to the end, or
+        how many are enough.
 
         Nine tenths of the share are asked for.
         """
         shares = (self._laid(motion, i, j).share for i, j in pairs)
-        return sum(share >= 0.9 * self._min_overlap for share in shares)
+        alike = (share for share in shares if share >= 0.9 * self._min_overlap)
+        return len(list(islice(alike, enough)))
 
     def best_fit(self, motion: Similarity, pairs: Pairs, agreeing: Pairs) -> tuple[StoneFit, float]:
         """Return how the stones fit under the best motion, and the standard deviation of the

@@ -173,10 +173,11 @@ class SegmentRegistrar(Registrar):
             if any(clouds.is_same(coarse, other) for other in tried):
                 return refusal("no other motion than the one refused before", watch)
             settled = self._settle(clouds, coarse)
-            alike = clouds.evidence.count_alike(settled, clouds.matched(settled))
-        if alike < self._settings.min_matched:
-            need = f"need {self._settings.min_matched}"
-            return refusal(f"{alike} stones agree roughly under the best motion, {need}", watch)
+            need, pairs = self._settings.min_matched, clouds.matched(settled)
+            alike = clouds.evidence.count_alike(settled, pairs, need)
+        if alike < need:
+            told = f"{alike} stones agree roughly under the best motion, need {need}"
+            return refusal(told, watch)
         tried.append(coarse)
         with watch.stage("refinement"):
             surface, points, fine = self._refine(clouds, settled)
