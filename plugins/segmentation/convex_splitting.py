@@ -64,8 +64,9 @@ class ConvexSplitter:
 
         Half as much is asked of what is too long for one: a boulder or a wall is convex.
         """
-        is_long = principal_extents(points)[0] > self.most_extent_m
-        return not is_hollow(points, self.most_hollow * (0.5 if is_long else 1.0))
+        longest_m = float(principal_extents(points)[0])
+        most = self.most_hollow * (0.5 if longest_m > self.most_extent_m else 1.0)
+        return not is_hollow(points, most, longest_m)
 
     def _parted(self, level: Float, tolerances_rad: tuple[float, ...]) -> list[Int]:
         """Part points; what is no stone yet is parted again with the next tolerance.

@@ -31,17 +31,23 @@ _DIRECTIONS = np.column_stack(
 ).astype(np.float32)  # a micrometre is enough, in half the time
 
 
-def is_hollow(points: Float, most: float) -> bool:
+def is_hollow(points: Float, most: float, longest_m: float | None = None) -> bool:
     """Return whether `hollow_share` is above a limit; mostly without the hull.
+
+    The longest side of the points [m] need not be given.
 
     The slabs between parallel planes about the points hold the hull, so that no point is deeper
     under the hull than in them. More than half of the points are no strays; so if one in forty of
-    all is deep at most, one in twenty of the others is.
+    all is deep at most, one in twenty of the others is. Where more are, strays are left out first.
     """
-    some = np.ascontiguousarray(points[:: max(len(points) // _HULL, 1)], dtype=np.float64)
-    deep_m = most * float(principal_extents(points)[0])
-    depths = _depths_in_slabs_m(some.tobytes())
+    if longest_m is None:
+        longest_m = float(principal_extents(points)[0])
+    surface, deep_m = _surface(points), most * longest_m
+    depths = _depths_in_slabs_m(surface)
     if np.count_nonzero(depths > deep_m) <= _FEW * len(depths):
+        return False
+    depths = _depths_in_slabs_m(_without_strays(surface))
+    if quantile(depths.astype(np.float64), _SHARE) <= deep_m:
         return False
     return hollow_share(points) > most
 
@@ -55,9 +61,13 @@ def hollow_share(points: Float) -> float:
     Args:
         points: Of the surface of one part [m], shape (N, 3).
     """
-    some = np.ascontiguousarray(points[:: max(len(points) // _HULL, 1)], dtype=np.float64)
     longest_m = float(principal_extents(points)[0])
-    return _depth_m(some.tobytes()) / max(longest_m, 1e-9)
+    return _depth_m(_without_strays(_surface(points))) / max(longest_m, 1e-9)
+
+
+def _surface(points: Float) -> bytes:
+    """Return the points that the hull is laid about, as rows of x, y, z [m]."""
+    return np.asarray(points[:: max(len(points) // _HULL, 1)], dtype=np.float64).tobytes()
 
 
 @lru_cache(maxsize=64)  # a part is asked about twice: where it is split, and where it is judged
@@ -83,15 +93,22 @@ def _least_depths(along: Single, lowest: Single, highest: Single, every: int) ->
 
 
 @lru_cache(maxsize=64)
+def _without_strays(surface: bytes) -> bytes:
+    """Return the points that have others as near as most have, of rows of x, y, z [m]."""
+    some = np.frombuffer(surface).reshape(-1, 3)
+    if len(some) <= _NEIGHBOURS:
+        return surface
+    sides_m = np.sort(np.ptp(some, axis=0))
+    even_m = float(np.sqrt(2 * sides_m[1] * sides_m[2] / len(some)))  # as on a flat box
+    grid = PointGrid(some, max(_CELL * even_m, 1e-6))
+    apart_m = grid.distances_m(some, _NEIGHBOURS + 1)[:, -1]
+    return some[apart_m <= _STRAY * np.median(apart_m)].tobytes()
+
+
+@lru_cache(maxsize=64)
 def _depth_m(surface: bytes) -> float:
     """Return the depth under the hull that one point in twenty exceeds [m], of rows of x, y, z."""
     some = np.frombuffer(surface).reshape(-1, 3)
-    if len(some) > _NEIGHBOURS:
-        sides_m = np.sort(np.ptp(some, axis=0))
-        even_m = float(np.sqrt(2 * sides_m[1] * sides_m[2] / len(some)))  # as on a flat box
-        grid = PointGrid(some, max(_CELL * even_m, 1e-6))
-        apart_m = grid.distances_m(some, _NEIGHBOURS + 1)[:, -1]
-        some = some[apart_m <= _STRAY * np.median(apart_m)]
     try:
         planes = ConvexHull(some - some[0]).equations
     except QhullError:

@@ -65,7 +65,7 @@ class PartJudge:
             or self._flat(part, rng)
             or self._upright(places, heights)
             or self._large(extents, places, heights)
-            or self._hollow(part, places, heights)
+            or self._hollow(part, places, heights, float(extents[0]))
         )
 
     def wide(self, points: Float) -> Found | None:
@@ -134,9 +134,9 @@ class PartJudge:
             return PartKind.TOO_LARGE, f"{narrowest_m:.2f} m wide, {opening}"
         return None
 
-    def _hollow(self, part: Float, places: Float, heights: Float) -> Found | None:
+    def _hollow(self, part: Float, places: Float, heights: Float, longest_m: float) -> Found | None:
         most = _WHOLE * self._most_hollow
-        if not is_hollow(part, most):
+        if not is_hollow(part, most, longest_m):
             return None
         told = f"hollow by {hollow_share(part):.0%} of its length, one stone by at most {most:.0%}"
         if self._count_tops(places, heights) > 1:

@@ -131,7 +131,7 @@ def test_what_is_hollow_and_has_tops_is_several(
 ) -> None:
     """One stone with a deep hollow remains one."""
     monkeypatch.setattr(part_kind, "hollow_share", lambda part: share)
-    monkeypatch.setattr(part_kind, "is_hollow", lambda part, most: share > most)
+    monkeypatch.setattr(part_kind, "is_hollow", lambda part, most, longest_m: share > most)
     reason = "hollow by 31% of its length, one stone by at most 30%"
     assert told(box(1.0, 0.8, 0.6), tops) == ((PartKind.STACK, reason) if is_stack else None)
 
