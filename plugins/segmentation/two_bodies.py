@@ -173,17 +173,26 @@ def _ends(places: Narrow, sides: NDArray[np.uint8]) -> Narrow:
     shape (M, 4, K).
 
     Places are the bits of numbers that are not negative, which have the same order: compilers take
-    the largest of several whole numbers at once, not of several fractions.
+    the largest of several whole numbers at once, not of several fractions. Four patches are looked
+    at before an end is written.
     """
     ends = np.empty((len(sides), 4, places.shape[1]), dtype=np.int32)
+    rows = np.empty(len(places) + 3, dtype=np.int64)
     for k in range(len(sides)):
-        ends[k, :2], ends[k, 2:] = 0, _MOST
-        for i in range(len(places)):
-            side = sides[k, i]
-            for a in range(places.shape[1]):
-                ends[k, side, a] = max(ends[k, side, a], places[i, a])
-            for a in range(places.shape[1]):
-                ends[k, 2 + side, a] = min(ends[k, 2 + side, a], places[i, a])
+        for side in range(2):
+            tops, bottoms, count = ends[k, side], ends[k, 2 + side], 0
+            tops[:], bottoms[:] = 0, _MOST
+            for i in range(len(places)):
+                rows[count] = i
+                count += sides[k, i] == side
+            rows[count : count + 3] = rows[max(count - 1, 0)]  # the last once more, for a full four
+            for i in range(0, count, 4):
+                p, q = places[rows[i]], places[rows[i + 1]]
+                r, s = places[rows[i + 2]], places[rows[i + 3]]
+                for a in range(places.shape[1]):
+                    tops[a] = max(tops[a], max(max(p[a], q[a]), max(r[a], s[a])))
+                for a in range(places.shape[1]):
+                    bottoms[a] = min(bottoms[a], min(min(p[a], q[a]), min(r[a], s[a])))
     return ends
 
 
