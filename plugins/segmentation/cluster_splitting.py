@@ -62,8 +62,10 @@ class ClusterSplitter:
         fine = connected_clusters(points, np.zeros(len(points), dtype=np.int64), self.fine_voxel_m)
         found = []
         for part in self._believed(fine, points, heights):
-            valley = basins(places[part], heights[part], self.cell_m, self.least_drop, self._cells)
-            found += [part[rows] for rows in self._believed(valley, points[part], heights[part])]
+            where, above = places.take(part, axis=0), heights[part]
+            valley = basins(where, above, self.cell_m, self.least_drop, self._cells)
+            believed = self._believed(valley, points.take(part, axis=0), above)
+            found += [part[rows] for rows in believed]
         return found
 
     def _believed(self, labels: Int, points: Float, heights: Float) -> list[Int]:

@@ -176,20 +176,25 @@ class GroundAndClusters(Segmenter):
             if len(members) < limits.least_points:
                 scattered += len(members)
                 continue
-            if fault := judge.wide(points[members]):
-                rest.append((points[members], *fault))
+            cluster = points.take(members, axis=0)
+            if fault := judge.wide(cluster):
+                rest.append((cluster, *fault))
                 continue
-            split = splitter.split(points[members], places[members], heights[members])
-            parts = [members[rows] for rows in split]
-            faults = [judge.fault(points[part], places[part], heights[part], rng) for part in parts]
-            if whole := judge.whole(parts, faults):
-                rest.append((points[members], *whole))
+            where, above = places.take(members, axis=0), heights[members]
+            split = splitter.split(cluster, where, above)
+            parts = [cluster.take(rows, axis=0) for rows in split]
+            faults = [
+                judge.fault(part, where.take(rows, axis=0), above[rows], rng)
+                for part, rows in zip(parts, split, strict=True)
+            ]
+            if whole := judge.whole(split, faults):
+                rest.append((cluster, *whole))
                 continue
             for part, fault in zip(parts, faults, strict=True):
                 if fault is None:
-                    kept.append(points[part])
+                    kept.append(part)
                 else:
-                    rest.append((points[part], *fault))
+                    rest.append((part, *fault))
         rest.sort(key=lambda one: -len(one[0]))
         return sorted(kept, key=len, reverse=True), rest, scattered
 

@@ -37,11 +37,13 @@ class HollowSplitter:
         level = np.column_stack([places, heights])
         found = list[Int]()
         for part in self.by_gaps.split(points, places, heights):
-            for body in self.by_planes.split(level[part]):
+            for body in self.by_planes.split(level.take(part, axis=0)):
                 rows = part[body]
-                if self.by_convexity.is_one(points[rows]):
+                surface = points.take(rows, axis=0)
+                if self.by_convexity.is_one(surface):
                     found.append(rows)
                 else:
-                    parts = self.by_convexity.split(points[rows], places[rows], heights[rows])
+                    where = places.take(rows, axis=0)
+                    parts = self.by_convexity.split(surface, where, heights[rows])
                     found += [rows[inner] for inner in parts]
         return found
