@@ -7,8 +7,14 @@ import numpy as np
 from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.convex_splitting import ConvexSplitter
+from executive_plugins.segmentation.even_sample import first_in_squares
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
-from executive_plugins.segmentation.ground_surface import GroundSurface, LevelSample, SurfaceFit
+from executive_plugins.segmentation.ground_surface import (
+    GroundSurface,
+    LevelSample,
+    SurfaceFit,
+    node_distance_m,
+)
 from executive_plugins.segmentation.hollow_splitting import HollowSplitter
 from executive_plugins.segmentation.limits import Limits, limits_for
 from executive_plugins.segmentation.part_kind import Fault, PartJudge, left_out
@@ -19,7 +25,7 @@ from executive_plugins.segmentation.site_check import site_warnings, spacing_war
 from executive_plugins.segmentation.spacing import spacing_m
 from executive_plugins.segmentation.stone_sizes import NO_MACHINE, stone_sizes
 
-from executive.arrays import Float, Int
+from executive.arrays import Float, Int, read_only
 from executive.errors import DataError
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.segmentation import Segmenter
@@ -28,8 +34,9 @@ from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
 
 _GROUND_SAMPLE = 20_000  # points that shape the ground: 8 in a square metre over ±25 m
-_WIDE_SAMPLE = 200_000  # on wider sites: 5 at each of the most nodes that the ground may have
+_WIDE_SAMPLE = 200_000  # on wider sites: 5 at each node of 100 m × 100 m
 _SMALL_SITE_M2 = 2500.0
+_A_NODE = 5  # squares with a point, at each node of a site that is wider still
 
 
 class Splitter(Protocol):
@@ -84,6 +91,7 @@ class GroundAndClusters(Segmenter):
         cube = np.mgrid[0:10, 0:10, 0:10].reshape(3, -1).T * 0.05 + [0.0, 0.0, 0.2]
         floor = np.mgrid[0:40, 0:40, 0:1].reshape(3, -1).T * 0.1 - [2.0, 2.0, 0.0]
         self.segment(Cloud("rehearsal", np.vstack([cube, floor])))
+        first_in_squares(read_only(floor), 1.0)
 
     def segment(self, cloud: Cloud) -> Segmentation:
         """Split a cloud into its ground and the objects on it; some 25 ms for 100,000 points.
@@ -97,10 +105,7 @@ class GroundAndClusters(Segmenter):
                 f"a cloud of {len(cloud)} points has no ground to find; at least "
                 f"{settings.min_points}"
             )
-        most = _GROUND_SAMPLE
-        if np.prod(spans(cloud.points)[:2]) > _SMALL_SITE_M2:
-            most = _WIDE_SAMPLE
-        sample = cloud.points[rng.integers(len(cloud), size=min(len(cloud), most))]
+        sample = self._sample(cloud.points, rng)
         centre = sample.mean(axis=0)  # far from the origin, as in UTM, products would lose digits
         sample = sample - centre
         plane = fit_ground_plane(sample, settings.plane_margin_m, settings.max_tilt_rad, rng)
@@ -130,6 +135,17 @@ class GroundAndClusters(Segmenter):
             scattered_points=scattered,
             warnings=warnings,
         )
+
+    def _sample(self, points: Float, rng: np.random.Generator) -> Float:
+        """Return points that shape the ground: some of all or, where nodes are farther apart than
+        asked for, one of each square, as a stone there may have more points than its surroundings.
+        """
+        sides_m, asked_m = spans(points)[:2], self._settings.node_m
+        node_m = node_distance_m(sides_m, asked_m)
+        if node_m > asked_m:
+            return np.asarray(first_in_squares(points, node_m / float(np.sqrt(_A_NODE))))
+        most = _WIDE_SAMPLE if np.prod(sides_m) > _SMALL_SITE_M2 else _GROUND_SAMPLE
+        return points[rng.integers(len(points), size=min(len(points), most))]
 
     def _site_warnings(self, level: LevelSample, surface: GroundSurface) -> tuple[str, ...]:
         return site_warnings(

@@ -9,21 +9,21 @@ to climb onto a stone.
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.segmentation.grid_solver import GridSolver
 from executive_plugins.segmentation.ground_plane import plane_heights
 from executive_plugins.segmentation.lower_cone import LowerCone, Relief
 from numba import njit
 from scipy import sparse
-from scipy.sparse.linalg import SuperLU, splu
 
 from executive.arrays import Float, Int
 from executive.errors import DataError
 
-_MAX_NODES = 40_000  # 100 m × 100 m at nodes of 0.5 m; wider sites get coarser ones
+_MANY_NODES = 40_000  # 100 m × 100 m at nodes of 0.5 m; wider sites get coarser ones
+_COARSER = 4.0  # times as far apart as asked for, beyond which a site gets more nodes instead
+_MOST_NODES = 250_000  # 1 km × 1 km at nodes of 2 m
 _COARSEST_M = 8.0  # nodes so far apart follow no ground: a wrong unit, not a site
 _FULL_DENSITY = 40.0  # points in a square metre for the full weight of a node
 _ROUNDS = (1.8, 1.2, 1.05)  # shrinking height below the surface that is ground, in margins
-_SETTLED = 1e-12  # error of a solution, in it, in the norm of the system: rounding
-_MOST_STEPS = 40  # as costly as factors of a site of 2,500 nodes; 9 to 12 settle
 _ORIGIN = np.zeros(3)
 _STENCIL = (1.0, -2.0, 1.0)  # second difference
 
@@ -123,51 +123,6 @@ def _stiff(shape: tuple[int, ...], stiffness: float) -> tuple[sparse.csc_array, 
     return system, diagonal
 
 
-class _Solver:
-    """Solves symmetric, positive definite systems that differ little from one another.
-
-    The first is factored; the others are solved by conjugate gradients, to which these factors are
-    the preconditioner: a third of the time, and the same up to rounding.
-    """
-
-    def __init__(self) -> None:
-        self._factors: SuperLU | None = None
-        self._last = np.zeros(0)
-
-    def solved(self, system: sparse.csc_array, right: Float) -> Float:
-        """Return the solution, shape (N,); factors anew if steps do not settle."""
-        if self._factors is not None and self._by_steps(self._factors, system, right):
-            return self._last
-        self._factors = splu(  # without pivots: two thirds of the usual time
-            system,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-        self._last = np.asarray(self._factors.solve(right))
-        return self._last
-
-    def _by_steps(self, factors: SuperLU, system: sparse.csc_array, right: Float) -> bool:
-        """Step from the last solution to that of this system; return whether it is reached."""
-        found = self._last.copy()
-        left = right - system @ found
-        better = factors.solve(left)
-        way, square = better, float(left @ better)
-        enough = _SETTLED**2 * float(right @ factors.solve(right))
-        for _ in range(_MOST_STEPS):
-            if square <= enough:
-                self._last = found
-                return True
-            pushed = system @ way
-            length = square / float(way @ pushed)
-            found += length * way
-            left -= length * pushed
-            better = factors.solve(left)
-            before, square = square, float(left @ better)
-            way = better + square / before * way
-        return False
-
-
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _node_means(
     above: Float, heights: Float, nodes: Int, limits: tuple[float, float], size: int
@@ -181,16 +136,21 @@ def _node_means(
     return counts, sums / np.maximum(counts, 1)
 
 
-def _node_m(span: Float, least_m: float) -> float:
-    """Return the distance of nodes with which a grid of such sides (2,) is not too large [m]."""
-    node_m = max(least_m, float(np.sqrt(np.prod(span + least_m) / _MAX_NODES)))
-    if max(node_m, float(span.max()) / _MAX_NODES) > _COARSEST_M:
+def node_distance_m(span: Float, least_m: float) -> float:
+    """Return the distance of nodes with which a grid of such sides (2,) is not too large [m].
+
+    Raises:
+        DataError: If the sides are those of no site.
+    """
+    area_m2 = np.prod(span + least_m)
+    node_m = max(least_m, float(np.sqrt(area_m2 / _MANY_NODES)))
+    if max(node_m, float(span.max()) / _MANY_NODES) > _COARSEST_M:
         told = " × ".join(f"{one:.0f}" for one in span)
         raise DataError(
             f"the cloud spans {told} m, more than a site; crop it, or check that its unit is "
             "the metre"
         )
-    return node_m
+    return min(node_m, max(_COARSER * least_m, float(np.sqrt(area_m2 / _MOST_NODES))))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -247,7 +207,7 @@ class SurfaceFit:
         places, heights = points @ _axes(plane[:3])[:2].T, plane_heights(points, plane)
         origin = np.array([places[:, a].min() for a in range(2)])
         span = np.array([places[:, a].max() for a in range(2)]) - origin
-        node_m = _node_m(span, self.node_m)
+        node_m = node_distance_m(span, self.node_m)
         cone = LowerCone.under(places, heights, node_m / 2, self.max_rise)
         return LevelSample(plane, points, places, heights, origin, span, node_m, cone)
 
@@ -259,9 +219,11 @@ class SurfaceFit:
         nodes = np.rint((sample.places - origin) / node_m).astype(np.int64)
         nodes = nodes @ np.array([shape[1], 1])
         system, diagonal = _stiff(shape, self.stiffness)
+        # Second differences grow with the square of the distance: the same ground bends as much.
+        system.data *= (self.node_m / node_m) ** 4
         free = system.data[diagonal].copy()
         is_low = sample.cone.may_be_ground(heights, self.margin_m)
-        above, solver = np.where(is_low, 0.0, np.inf), _Solver()
+        above, solver = np.where(is_low, 0.0, np.inf), GridSolver(node_m <= self.node_m)
         surface = GroundSurface(sample.plane, R, origin, node_m, np.zeros(shape))
         for share in (1.0, *_ROUNDS):
             limits = (-share * self.margin_m, 0.5 * share * self.margin_m)  # stones only rise

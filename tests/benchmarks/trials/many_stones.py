@@ -48,10 +48,10 @@ def _registered() -> ManyStones:
         for kind, shape_seed in ((OTHERS, 12), (SAME, 11)):
             source = Cloud("survey", transform(inverse(T), field(shape_seed, 3, 99)))
             trials.append(tried(plugin, kind, target, source, T))
-    return ManyStones(tuple(trials), _peak_mb())
+    return ManyStones(tuple(trials), peak_mb())
 
 
-def _peak_mb() -> float:
+def peak_mb() -> float:
     """Return the most memory of this program; `getrusage` has that of the program that began it."""
     status = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
     peaks_kb = [int(line.split()[1]) for line in status if line.startswith("VmHWM")]

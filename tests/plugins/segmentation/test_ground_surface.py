@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from executive_plugins.segmentation import ground_surface
-from executive_plugins.segmentation.ground_surface import SurfaceFit, _Solver, _stiff
+from executive_plugins.segmentation import grid_solver, ground_surface
+from executive_plugins.segmentation.grid_solver import GridSolver
+from executive_plugins.segmentation.ground_surface import SurfaceFit, _stiff
 
 from executive.errors import DataError
 
@@ -96,13 +97,47 @@ def test_a_system_near_the_last_one_is_solved_as_if_it_were_the_first(
     monkeypatch: pytest.MonkeyPatch, factor: float, most_steps: int
 ) -> None:
     """Where few steps do not settle it is factored anew."""
-    monkeypatch.setattr(ground_surface, "_MOST_STEPS", most_steps)
+    monkeypatch.setattr(grid_solver, "_MOST_STEPS", most_steps)
     rng = np.random.default_rng(0)
     system, diagonal = _stiff((20, 30), 10.0)
-    weights, right, solver = rng.uniform(0, 1, 600), rng.normal(size=600), _Solver()
+    weights, right, solver = rng.uniform(0, 1, 600), rng.normal(size=600), GridSolver()
     for n in range(3):
         near = system.copy()
         near.data[diagonal] += weights * factor**n
         found = solver.solved(near, right)
         wanted = np.linalg.solve(near.toarray(), right)
         assert np.abs(found - wanted).max() < 1e-9 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("asked_m", [0.5, 1.0])
+def test_wide_ground_is_followed_by_nodes_that_are_far_apart(asked_m: float) -> None:
+    """The sides of the grid are told by the area; waves are a tenth as high as they are long."""
+    rng, side_m = np.random.default_rng(0), 400.0 * asked_m
+    xy = rng.uniform(0, side_m, (200_000, 2))
+    crests = np.sin(2 * np.pi * xy[:, 0] / (40 * asked_m)) * 0.5
+    fit = SurfaceFit(asked_m, margin_m=0.1, max_rise=0.36, stiffness=0.5)
+    sample = fit.level(np.column_stack([xy, crests]), LEVEL)
+    assert sample.node_m == pytest.approx(2 * asked_m, rel=0.01)
+    inner = np.abs(xy - side_m / 2).max(axis=1) < 0.48 * side_m
+    assert np.abs(fit.on(sample).heights_above(sample.points)[inner]).max() < 0.05
+
+
+@pytest.mark.parametrize(
+    ("sides_m", "node_m"),
+    [((90.0, 90.0), 0.5), ((200.0, 200.0), 1.0), ((1000.0, 1000.0), 2.0), ((1500.0, 1500.0), 3.0)],
+)
+def test_nodes_are_four_times_as_far_apart_before_there_are_more(
+    sides_m: tuple[float, float], node_m: float
+) -> None:
+    found_m = ground_surface.node_distance_m(np.array(sides_m), 0.5)
+    assert found_m == pytest.approx(node_m, rel=0.01)
+
+
+def test_steps_without_factors_end_where_factors_do() -> None:
+    rng = np.random.default_rng(0)
+    system, diagonal = _stiff((20, 30), 0.002)
+    system.data[diagonal] += 0.03
+    right = rng.normal(0, 0.03, 600)
+    exact = GridSolver().solved(system, right)
+    steps = GridSolver(has_factors=False).solved(system, right)
+    np.testing.assert_allclose(steps, exact, atol=1e-3 * np.abs(exact).max())
