@@ -26,12 +26,12 @@ def radix_sorted(keys: Int) -> tuple[Int, Int]:  # pragma: no cover - compiled
     shift, largest = 0, keys.max() if len(keys) else 0
     while len(keys) >> shift > 0:
         shift += 1
-    rows = np.arange(len(keys))
     if largest >> (_ROOM - shift) > 0:
-        rows = _sorted_by(keys, rows, largest)
+        rows = _sorted_by(keys, np.arange(len(keys)), largest)
         return keys[rows], rows
-    packed = (keys << shift) | rows
-    lower, upper = packed, np.empty(len(keys), dtype=np.int64)
+    lower, upper = keys << shift, np.empty(len(keys), dtype=np.int64)
+    for n in range(len(keys)):
+        lower[n] |= n
     digit = shift
     while largest >> (digit - shift) > 0:
         starts = np.zeros((1 << _BITS) + 1, dtype=np.int64)

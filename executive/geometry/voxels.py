@@ -33,7 +33,10 @@ def compile_voxel_means() -> None:
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _means(points: Float, size_m: float, corner: Float) -> Float:  # pragma: no cover - compiled
     keys, order = radix_sorted(_keys(points, size_m, corner))
-    means, found, n = np.empty((len(points), 3)), 0, 0
+    cells = 1  # counted first, so that the means take no more memory than their own
+    for n in range(1, len(keys)):
+        cells += keys[n] != keys[n - 1]
+    means, found, n = np.empty((cells, 3)), 0, 0
     while n < len(keys):
         key, first = keys[n], n
         x, y, z = 0.0, 0.0, 0.0
@@ -43,7 +46,7 @@ def _means(points: Float, size_m: float, corner: Float) -> Float:  # pragma: no 
         count = n - first
         means[found, 0], means[found, 1], means[found, 2] = x / count, y / count, z / count
         found += 1
-    return means[:found].copy()
+    return means
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]

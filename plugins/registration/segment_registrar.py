@@ -91,11 +91,12 @@ class SegmentRegistrar(Registrar):
         watch = Stopwatch()
         middle_t, middle_s = _middle(target), _middle(source)
         with watch.stage("segmentation"):
+            thin = self._thinned(source, middle_s)  # first, as it takes the most memory
             try:
                 there = self._segmentation.segment(
                     Cloud(target.frame, less(target.points, middle_t))
                 )
-                here = self._segmentation.segment(self._thinned(source, middle_s))
+                here = self._segmentation.segment(thin)
             except DataError as error:
                 return refusal(f"a cloud cannot be segmented: {error}", watch)
         found = self._lay_over(there, here, watch)

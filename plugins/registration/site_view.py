@@ -15,6 +15,7 @@ from executive.messages.segment import Segmentation
 
 _GROUND_VOXEL_M = 0.10  # density of the ground's points
 _CELL_M = 0.25  # cells in which it is told whether plain ground was seen
+_MOST_CELLS = 1_000_000  # 250 m × 250 m: those of wider sites are larger, as their points are few
 _LEAST_COUNT = 3  # ninths of a cell with points that make it seen
 _RELIEF_M = 1.0  # edge of the squares whose mean heights are compared
 _LEAST_RELIEF_COUNT = 16  # points that give a square a height
@@ -25,7 +26,7 @@ def compile_site_view() -> None:
     few, shown = np.zeros((1, 3)), np.zeros((1, 3))
     shown.flags.writeable = False
     for ground in (few, shown):
-        _plain_cells(np.eye(4), ground, few)
+        _plain_cells(np.eye(4), ground, few, _CELL_M)
         thinned(ground, _GROUND_VOXEL_M)
     _at(np.zeros((1, 2), dtype=np.int64), np.zeros(2, dtype=np.int64), np.zeros((1, 1)), 0.0)
 
@@ -61,10 +62,14 @@ class SiteView:
         """
         T = self._T_level_cloud
         stones = np.vstack([stone.points for stone in self.stones])
-        low, is_plain, tops = _plain_cells(
-            T, np.ascontiguousarray(self._seen.ground.points), stones
-        )
+        ground = np.ascontiguousarray(self._seen.ground.points)
+        low, is_plain, tops = _plain_cells(T, ground, stones, self._cell_m)
         return low, is_plain, tops
+
+    @cached_property
+    def _cell_m(self) -> float:
+        sides_m = np.ptp(self._seen.ground.points, axis=0)
+        return max(_CELL_M, float(np.sqrt(sides_m[0] * sides_m[1] / _MOST_CELLS)))
 
     @cached_property
     def _clearances_m(self) -> Float:
@@ -73,7 +78,7 @@ class SiteView:
         """
         is_plain = np.pad(self._plain[1], 1)
         apart = distance_transform_edt(is_plain)[1:-1, 1:-1] - 1.0 - np.sqrt(0.5)
-        return np.asarray(apart * _CELL_M)
+        return np.asarray(apart * self._cell_m)
 
     def clearance_m(self, points_cloud: Float) -> Float:
         """Return how far around each point plain ground was seen, at least [m], shape (N,).
@@ -110,7 +115,7 @@ class SiteView:
         """
         low, _, tops = self._plain
         places = transform(self._T_level_cloud, points_cloud)
-        covered = _at(_cells_of(places), low, tops, np.inf)
+        covered = _at(_cells_of(places, self._cell_m), low, tops, np.inf)
         return np.asarray(places[:, 2] > covered + margin_m)
 
     def share_on_plain_ground(self, points_cloud: Float) -> float:
@@ -136,11 +141,11 @@ class SiteView:
         return np.asarray(theirs[others_rows] - heights[mine])
 
     def _cells(self, points_cloud: Float) -> Int:
-        return _cells_of(transform(self._T_level_cloud, points_cloud))
+        return _cells_of(transform(self._T_level_cloud, points_cloud), self._cell_m)
 
 
-def _cells_of(places: Float) -> Int:
-    return np.asarray(np.floor(places[:, :2] / _CELL_M).astype(np.int64))
+def _cells_of(places: Float, cell_m: float) -> Int:
+    return np.asarray(np.floor(places[:, :2] / cell_m).astype(np.int64))
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -157,28 +162,26 @@ def _at(cells: Int, low: Int, values: Float, outside: float) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _plain_cells(T: Float, ground: Float, stones: Float) -> tuple[Int, Bool, Float]:
+def _plain_cells(T: Float, ground: Float, stones: Float, cell_m: float) -> tuple[Int, Bool, Float]:
     """Return the first cell, which cells are plain, and how high each is covered; see `_plain`.
 
     A cell is plain if points lie in `_LEAST_COUNT` of its nine parts, and none of a stone.
     """
-    low, high = np.full(2, np.inf), np.full(2, -np.inf)
-    levels = np.empty((len(ground) + len(stones), 3))
-    for n in range(len(levels)):
-        x, y, z = ground[n] if n < len(ground) else stones[n - len(ground)]
-        for a in range(3):
-            levels[n, a] = T[a, 0] * x + T[a, 1] * y + T[a, 2] * z + T[a, 3]
+    low, high, level = np.full(2, np.inf), np.full(2, -np.inf), np.empty(3)
+    for n in range(len(ground) + len(stones)):
+        _set_level(level, T, ground[n] if n < len(ground) else stones[n - len(ground)])
         for a in range(2):
-            low[a], high[a] = min(low[a], levels[n, a]), max(high[a], levels[n, a])
-    first = np.floor(low / _CELL_M).astype(np.int64)
-    shape = np.floor(high / _CELL_M).astype(np.int64) - first + 1
+            low[a], high[a] = min(low[a], level[a]), max(high[a], level[a])
+    first = np.floor(low / cell_m).astype(np.int64)
+    shape = np.floor(high / cell_m).astype(np.int64) - first + 1
     seen, counts = np.zeros((shape[0], shape[1], 9), dtype=np.bool_), np.zeros((shape[0], shape[1]))
     tops = np.full((shape[0], shape[1]), -np.inf)
-    for n in range(len(levels)):
-        u, v = levels[n, 0] / _CELL_M - first[0], levels[n, 1] / _CELL_M - first[1]
+    for n in range(len(ground) + len(stones)):
+        _set_level(level, T, ground[n] if n < len(ground) else stones[n - len(ground)])
+        u, v = level[0] / cell_m - first[0], level[1] / cell_m - first[1]
         i, j = int(u), int(v)
         if n >= len(ground):
-            tops[i, j] = max(tops[i, j], levels[n, 2])
+            tops[i, j] = max(tops[i, j], level[2])
             continue
         part = 3 * min(int(3 * (u - i)), 2) + min(int(3 * (v - j)), 2)
         counts[i, j] += not seen[i, j, part]
@@ -189,6 +192,14 @@ def _plain_cells(T: Float, ground: Float, stones: Float) -> tuple[Int, Bool, Flo
             if not is_plain[i, j] and tops[i, j] == -np.inf:
                 tops[i, j] = np.inf
     return first, is_plain, tops
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _set_level(level: Float, T: Float, point: Float) -> None:
+    """Move a point, each time that it is asked for: all together would take much memory."""
+    x, y, z = point
+    for a in range(3):
+        level[a] = T[a, 0] * x + T[a, 1] * y + T[a, 2] * z + T[a, 3]
 
 
 def _heights_of(points_level: Float) -> tuple[Int, Float]:

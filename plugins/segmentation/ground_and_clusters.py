@@ -11,7 +11,6 @@ from executive_plugins.segmentation.even_sample import first_in_squares
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
 from executive_plugins.segmentation.ground_surface import (
     GroundSurface,
-    LevelSample,
     SurfaceFit,
     node_distance_m,
 )
@@ -105,12 +104,8 @@ class GroundAndClusters(Segmenter):
                 f"a cloud of {len(cloud)} points has no ground to find; at least "
                 f"{settings.min_points}"
             )
-        sample = self._sample(cloud.points, rng)
-        centre = sample.mean(axis=0)  # far from the origin, as in UTM, products would lose digits
-        sample = sample - centre
-        plane = fit_ground_plane(sample, settings.plane_margin_m, settings.max_tilt_rad, rng)
-        level = self._fit.level(sample, plane)
-        surface = self._fit.on(level)
+        centre, surface, told_of_site = self._ground(cloud.points, rng)
+        plane = surface.plane
         heights = surface.heights_above(cloud.points, centre)
         is_rising = heights > settings.plane_margin_m
         rising, lying = np.flatnonzero(is_rising), np.flatnonzero(~is_rising)
@@ -121,7 +116,7 @@ class GroundAndClusters(Segmenter):
         parts, rest, scattered = self._objects(points, heights, places, limits, rng)
         told = tuple(left_out(*one, centre) for one in rest)
         warnings = (
-            *self._site_warnings(level, surface),
+            *told_of_site,
             *spacing_warnings(apart_m, settings.voxel_m, limits.least_extent_m),
             *unit_warnings(len(parts), told, limits.most_extent_m),
         )
@@ -147,15 +142,23 @@ class GroundAndClusters(Segmenter):
         most = _WIDE_SAMPLE if np.prod(sides_m) > _SMALL_SITE_M2 else _GROUND_SAMPLE
         return points[rng.integers(len(points), size=min(len(points), most))]
 
-    def _site_warnings(self, level: LevelSample, surface: GroundSurface) -> tuple[str, ...]:
-        return site_warnings(
-            level.points,
-            level.plane,
-            surface.heights_above(level.points),
-            self._fit.relief(level),
-            self._settings.plane_margin_m,
-            np.random.default_rng(self._settings.seed),
-        )
+    def _ground(
+        self, points: Float, rng: np.random.Generator
+    ) -> tuple[Float, GroundSurface, tuple[str, ...]]:
+        """Return a middle of the points [m], the ground about it, and what speaks against a site.
+
+        Far from the origin, as in UTM, products would lose digits.
+        """
+        s, sample = self._settings, self._sample(points, rng)
+        centre = sample.mean(axis=0)
+        sample = sample - centre
+        plane = fit_ground_plane(sample, s.plane_margin_m, s.max_tilt_rad, rng)
+        level = self._fit.level(sample, plane)
+        surface = self._fit.on(level)
+        heights, relief = surface.heights_above(sample), self._fit.relief(level)
+        own = np.random.default_rng(s.seed)
+        warnings = site_warnings(sample, plane, heights, relief, s.plane_margin_m, own)
+        return centre, surface, warnings
 
     def merge(self, clouds: Sequence[Cloud]) -> Cloud:
         """Return one point for each occupied cell of `merged_voxel_m`, without normals."""

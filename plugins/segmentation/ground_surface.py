@@ -13,6 +13,7 @@ from executive_plugins.segmentation.grid_solver import GridSolver
 from executive_plugins.segmentation.ground_plane import plane_heights
 from executive_plugins.segmentation.lower_cone import LowerCone, Relief
 from numba import njit
+from numpy.typing import NDArray
 from scipy import sparse
 
 from executive.arrays import Float, Int
@@ -82,7 +83,7 @@ def _axes(normal: Float) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _bending(nx: int, ny: int) -> tuple[Int, Int, Float]:
+def _bending(nx: int, ny: int) -> tuple[NDArray[np.int32], NDArray[np.int32], Float]:
     """Return the matrix whose quadratic form is the bending of an nx × ny grid: rows, columns,
     values.
 
@@ -92,8 +93,8 @@ def _bending(nx: int, ny: int) -> tuple[Int, Int, Float]:
     strides, lengths = (ny, 1), (nx, ny)
     size = nx * ny + 9 * (max(nx - 2, 0) * ny + nx * max(ny - 2, 0))
     rows, columns, values = (
-        np.empty(size, dtype=np.int64),
-        np.empty(size, dtype=np.int64),
+        np.empty(size, dtype=np.int32),
+        np.empty(size, dtype=np.int32),
         np.empty(size),
     )
     for n in range(nx * ny):
@@ -117,8 +118,10 @@ def _stiff(shape: tuple[int, ...], stiffness: float) -> tuple[sparse.csc_array, 
     """
     rows, columns, values = _bending(*shape)
     size = shape[0] * shape[1]
-    system = sparse.coo_array((stiffness * values, (rows, columns)), shape=(size, size)).tocsc()
-    diagonal = np.flatnonzero(system.indices == np.repeat(np.arange(size), np.diff(system.indptr)))
+    values *= stiffness
+    system = sparse.coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
+    nodes = np.arange(size, dtype=np.int32)
+    diagonal = np.flatnonzero(system.indices == np.repeat(nodes, np.diff(system.indptr)))
     system.data[diagonal] += 1e-4
     return system, diagonal
 

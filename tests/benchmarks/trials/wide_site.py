@@ -12,9 +12,15 @@ from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
 from executive_plugins.segmentation.settings import GroundAndClustersSettings
 
 from executive.arrays import Float, Int
+from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import exp_so3
+from executive.interfaces.registration import Registrar
 from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
+from executive.testing.subject import subject_of
 from trials.many_stones import peak_mb
+from trials.registration_trial import Trial
+from trials.registration_trial import tried as tried_once
 
 POINTS, STONES, POINTS_OF_STONE = 5_000_000, 400, 1250
 WIDTHS_M = (200.0, 1000.0)
@@ -71,6 +77,40 @@ def tried(seed: int, width_m: float) -> WideTrial:
     ground = POINTS - STONES * POINTS_OF_STONE
     lost = max(ground - len(seen.ground), 0)
     return WideTrial(width_m, found, len(seen.segments) - found, lost, cpu_s, memory_mb)
+
+
+def registered(seeds: Iterable[int]) -> list[Figure]:
+    """Register two clouds of each wide site, each pair in a process of its own."""
+    trials, context = list[tuple[Trial, float]](), get_context("spawn")
+    for seed in seeds:
+        with ProcessPoolExecutor(1, mp_context=context) as process:
+            trials.append(process.submit(_registered, seed).result())
+    right = sum(one.accepted and one.is_right for one, _ in trials)
+    seconds, memory = max(one.cpu_ms / 1e3 for one, _ in trials), max(mb for _, mb in trials)
+    words = "two clouds registered, 1000 m across"
+    return [
+        held(
+            f"{words} [%]",
+            100 * right / len(trials),
+            Bound(99.5, 100.0, is_least=True),
+            f"{right} of {len(trials)}",
+        ),
+        held(f"processor time, {words}, most [s]", seconds, Bound(10)),
+        held(f"peak memory, {words}, most [MB]", memory, Bound(1000)),
+    ]
+
+
+def _registered(seed: int) -> tuple[Trial, float]:
+    T = pose(exp_so3(np.array([0.0, 0.01, 2.0])), np.array([4.0, -3.0, 1.0]))
+    target = drawn(seed, WIDTHS_M[-1])[0]
+    source, rng = target.copy(), np.random.default_rng(seed + 500_000)
+    for axis in range(3):  # in place, as the most memory is to be that of the registration
+        source[:, axis] += rng.normal(0, NOISE_M, POINTS)
+    clouds = Cloud("map", target), Cloud("survey", transform(inverse(T), source))
+    del target, source
+    with subject_of("registration", "segment_shot", ()).started() as plugin:
+        assert isinstance(plugin, Registrar)
+        return tried_once(plugin, "wide", *clouds, T), peak_mb()
 
 
 def drawn(seed: int, width_m: float) -> tuple[Float, Float, Int]:
