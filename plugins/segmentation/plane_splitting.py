@@ -20,6 +20,10 @@ _SHARE = 0.95  # quantile of depths that is left after a cut
 # Logistic regression of views of one stone and of two that touch or nearly do, on the logarithms
 # of three depths in the longest side: `docs/evidence/perception.md`, neighbours.
 _WEIGHTS, _OFFSET = np.array([5.83, -5.52, 6.03]), 21.84
+# Logarithm of the odds from which a part that is no more hollow than one stone is cut. Of such with
+# odds of 1 to e, 15 were one stone and 1 was two, as two that lie apart are parted before: seeds
+# 91733046 to 91733051 of `neighbours.py`.
+_LEAST_EVIDENCE = 1.0
 _SHALLOW = 0.010  # mean depth, in the longest side, of what is one: pairs had 0.015 and more
 _SEED = 0  # of the cuts that are tried
 
@@ -75,7 +79,9 @@ class PlaneSplitter:
         is_beyond = best_cut(part, axes, np.random.default_rng(_SEED))
         sides = part[is_beyond], part[~is_beyond]
         is_small = min(spans(side).max() for side in sides) < self.least_extent_m
-        if is_small or (self.evidence(part, axes, is_beyond) <= 0 and self.is_one(part)):
+        if is_small:
+            return [rows]
+        if self.evidence(part, axes, is_beyond) <= _LEAST_EVIDENCE and self.is_one(part):
             return [rows]
         return self._cut(patches, rows[is_beyond]) + self._cut(patches, rows[~is_beyond])
 

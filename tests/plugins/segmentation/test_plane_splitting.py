@@ -107,3 +107,17 @@ def test_axes_are_unit_vectors_to_all_sides() -> None:
     assert np.linalg.norm(axes, axis=1) == pytest.approx(1.0)
     towards = np.abs(half_sphere(500) @ axes.T).max(axis=1)
     assert towards.min() > np.cos(0.35)
+
+
+@pytest.mark.parametrize(
+    ("evidence", "is_one", "bodies"), [(0.9, True, 1), (1.1, True, 2), (0.9, False, 2)]
+)
+def test_what_may_be_one_stone_is_cut_only_on_clear_evidence(
+    monkeypatch: pytest.MonkeyPatch, evidence: float, is_one: bool, bodies: int
+) -> None:
+    cuts = iter([evidence, *[-1.0] * 9])
+    monkeypatch.setattr(PlaneSplitter, "evidence", lambda *told: next(cuts))
+    monkeypatch.setattr(PlaneSplitter, "_odds", lambda *told: 0.5)
+    answers = iter([is_one, *[True] * 9])
+    pair = np.vstack([block(0.0), block(1.1, turn_rad=0.4)])
+    assert len(PlaneSplitter(0.12, 0.25, lambda part: next(answers)).split(pair)) == bodies
