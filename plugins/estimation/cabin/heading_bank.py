@@ -97,6 +97,10 @@ class HeadingBank:
         """Return what is reported as a row, see `packing`."""
         return packed(*self.reported())
 
+    def packed_at(self, ring: Block, first: int, end: int, until_s: float) -> tuple[int, Block]:
+        """Do what `predict_until` and then `packed` do."""
+        return self.predict_until(ring, first, end, until_s), self.packed()
+
     def reported(self) -> tuple[InertialState, Float]:
         """Return the mean state, and the second moment of its error in map axes, (15, 15).
 

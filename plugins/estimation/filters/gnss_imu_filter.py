@@ -117,6 +117,9 @@ class GnssImuFilter(CabinEstimator):
         self._periods.setdefault(antenna, StreamPeriod()).add(stamp_s)
         usual_s = min(period.missing_after_s for period in self._periods.values())
         self._missing_after_s = max(self._settings.fallback_after_s, usual_s)
+        for name, record in self._innovations.items():
+            if name in self._periods:
+                record.expect(self._periods[name].period_s / len(self._periods))
         position = Fix(stamp_s, antenna, self._antennas_imu[antenna], p_map_antenna, noise)
         if self._doubt is not None:
             self._doubt.add_fix(position)
@@ -179,14 +182,15 @@ class GnssImuFilter(CabinEstimator):
         prediction is wrong, its covariance grows by a step of the sensor's biases that explains
         them.
         """
-        record, usual_s = self._innovations[fix.antenna], self._periods[fix.antenna].period_s
-        record.expect(usual_s / len(self._periods))
-        is_learnt, clock_s = kalman.has_clock and not self._clock.is_held(kalman), kalman.clock_s
+        record = self._innovations[fix.antenna]
+        is_learnt = kalman.has_clock and not self._clock.is_held(kalman)
+        clock_s = kalman.clock_s if is_learnt else 0.0
         said = kalman.use_fix(record.block, fix, late_s, not is_learnt)
         if not said & DOUBTED:
             if is_learnt:
                 self._clock.remember(kalman.stamp_s, clock_s)
             return bool(said & USED)
+        usual_s = self._periods[fix.antenna].period_s
         if record.is_alarmed or record.is_biased:
             how = "farther from" if record.is_alarmed else "farther to one side of"
             words = f"fixes of {fix.antenna} lie {how} the prediction than their covariance"
@@ -256,7 +260,8 @@ class GnssImuFilter(CabinEstimator):
 
     def state(self) -> BaseState:
         state = super().state()
-        self._account.take(state.status, state.stamp_s, state.stamp_s - self._used_fix_s)
+        if state.status != self._account.status:
+            self._account.take(state.status, state.stamp_s, state.stamp_s - self._used_fix_s)
         return state
 
     def _status(self) -> str:

@@ -9,7 +9,11 @@ _AGREE = "fixes agree with it again"
 
 
 class StatusAccount:
-    """Takes what speaks against a filter, and puts it beside the status that follows from it."""
+    """Takes what speaks against a filter, and puts it beside the status that follows from it.
+
+    Attributes:
+        status: The newest status that was taken.
+    """
 
     def __init__(self, changes: list[StatusChange]) -> None:
         """Begin before the first state.
@@ -18,12 +22,12 @@ class StatusAccount:
             changes: Takes each change.
         """
         self._changes = changes
-        self._status = INITIALISING
+        self.status = INITIALISING
         self._doubt, self._trust = "", "the first state with a heading was found"
 
     def doubt(self, cause: str) -> None:
         """Take why the state is in doubt from now on: the cause of the next `SUSPECT`."""
-        if self._status != SUSPECT:
+        if self.status != SUSPECT:
             self._doubt, self._trust = cause, _AGREE
 
     def begin_anew(self) -> None:
@@ -38,7 +42,7 @@ class StatusAccount:
             stamp_s: Time of the state [s].
             silent_s: Time since the last fix that was used [s].
         """
-        if status == self._status:
+        if status == self.status:
             return
         reason = {
             INITIALISING: "begins anew after a gap in the inertial samples",
@@ -47,5 +51,5 @@ class StatusAccount:
             SUSPECT: self._doubt,
             GLOBAL: self._trust,
         }.get(status, "")
-        self._changes.append(StatusChange(stamp_s, self._status, status, reason))
-        self._status, self._trust = status, _AGREE if status == FALLBACK else self._trust
+        self._changes.append(StatusChange(stamp_s, self.status, status, reason))
+        self.status, self._trust = status, _AGREE if status == FALLBACK else self._trust

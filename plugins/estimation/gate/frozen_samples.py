@@ -15,21 +15,20 @@ class FrozenSamples:
     """
 
     def __init__(self) -> None:
-        self._newest: ImuSample | None = None
+        self._newest: ImuSample | None = None  # that differed from the one before
         self._first = float("nan")  # value of it
-        self._since_s = 0.0
         self._changes = 0
 
     def lasts_s(self, sample: ImuSample) -> float:
         """Take a sample; return for how long its values have not changed [s]."""
-        before, first = self._newest, sample.angular_velocity_rad_s.item(0)
+        first = sample.angular_velocity_rad_s.item(0)
         # Fast path: nearly all samples differ in their first value.
-        is_frozen = first == self._first and before is not None and _are_equal(before, sample)
+        if first == self._first:
+            before = self._newest
+            if before is not None and _are_equal(before, sample):
+                is_judged = self._changes > 1 and not _is_ideal_rest(sample)
+                return sample.stamp_s - before.stamp_s if is_judged else 0.0
         self._newest, self._first = sample, first
-        if is_frozen:
-            is_judged = self._changes > 1 and not _is_ideal_rest(sample)
-            return sample.stamp_s - self._since_s if is_judged else 0.0
-        self._since_s = sample.stamp_s
         self._changes += 1
         return 0.0
 

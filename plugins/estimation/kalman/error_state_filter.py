@@ -1,6 +1,7 @@
 """An error-state Kalman filter over a strapdown state."""
 
 import numpy as np
+from executive_plugins.estimation.direct_call import direct
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import linear_covariance, moved
@@ -13,6 +14,7 @@ from executive_plugins.estimation.kalman.judged_fix import USED, use_fix
 from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.kalman.packed_correction import (
     correct,
+    report_until,
     write_joint_covariance,
     write_report,
 )
@@ -29,6 +31,9 @@ from executive_plugins.estimation.start.settings import StandstillSettings
 from executive.arrays import Float
 
 _NO_CLOCK = ClockOffset()
+_predict_until, _report_until = direct(predict_until), direct(report_until)
+_use_fix, _correct_by_compared = direct(use_fix), direct(correct_by_compared)
+_correct_by_standstill = direct(correct_by_standstill)
 
 
 class ErrorStateFilter(PackedFilter):
@@ -62,7 +67,15 @@ class ErrorStateFilter(PackedFilter):
     def predict_until(self, ring: Block, first: int, end: int, until_s: float) -> int:
         """Propagate through samples up to a time; see `packed_prediction.predict_until`."""
         self._state = None
-        return int(predict_until(self.block, ring, first, end, until_s))
+        return int(_predict_until(self.block, ring, first, end, until_s))
+
+    def packed_at(self, ring: Block, first: int, end: int, until_s: float) -> tuple[int, Block]:
+        """Do what `predict_until` and `packed` do, in one call."""
+        self._state = None
+        if self._clocks and self.agreeing_clock is not None:
+            return self.predict_until(ring, first, end, until_s), packed(*self.reported())
+        first = _report_until(self.block, ring, first, end, until_s, self._packed)
+        return first, self._packed
 
     def reported(self) -> tuple[InertialState, Float]:
         """Return the state that is reported, and its covariance in map axes, shape (15, 15)."""
@@ -110,21 +123,21 @@ class ErrorStateFilter(PackedFilter):
     def use_fix(self, innovations: Block, fix: Fix, late_s: float, holds_clock: bool) -> int:
         """Correct by a fix that is in no doubt, see `judged_fix.use_fix`."""
         position = fix.arm_imu, fix.p_map_antenna, fix.covariance
-        said = int(use_fix(self.block, innovations, *position, late_s, holds_clock))
+        said: int = _use_fix(self.block, innovations, *position, late_s, holds_clock)
         if said & USED:
             self._state = None
         return said
 
     def correct_by_compared(self, gate: float) -> bool:
         """Correct by the fix that was compared last, see `packed_measurements.compare_fix`."""
-        return self._told(correct_by_compared(self.block, gate))
+        return self._told(_correct_by_compared(self.block, gate))
 
     def correct_by_standstill(
         self, T_imu_cabin: Float, rate_cabin: Float, settings: StandstillSettings, gate: float
     ) -> bool:
         """Correct by a chassis at rest, see `packed_measurements.correct_by_standstill`."""
         stds = settings.velocity_std_m_s, settings.rate_std_rad_s
-        return self._told(correct_by_standstill(self.block, T_imu_cabin, rate_cabin, *stds, gate))
+        return self._told(_correct_by_standstill(self.block, T_imu_cabin, rate_cabin, *stds, gate))
 
     def _correct_jointly(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
         """Correct state and companions, whose error has 15 + k dimensions."""

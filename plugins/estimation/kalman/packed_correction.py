@@ -9,15 +9,20 @@ from executive_plugins.estimation.kalman.compiled_correction import (
     project_into,
 )
 from executive_plugins.estimation.kalman.layout import FILTER_TYPE, Block, matrix
-from executive_plugins.estimation.kalman.packed_prediction import acceleration_of
+from executive_plugins.estimation.kalman.packed_prediction import (
+    SAMPLES_TYPE,
+    acceleration_of,
+    follow_samples,
+)
 from executive_plugins.estimation.live.layout import ESTIMATE
 from numba import from_dtype, njit, types
 
 from executive.arrays import Float
 
-_REAL = types.float64
+_REAL, _INT = types.float64, types.int64
 _VECTOR = types.Array(_REAL, 1, "A", readonly=True)
 _MATRIX = types.Array(_REAL, 2, "A", readonly=True)
+_ESTIMATE = from_dtype(ESTIMATE)[::1]
 _N = 15
 
 
@@ -150,8 +155,9 @@ def _take(s: np.record, P: Float, error: Float) -> None:
     n = len(error)
     J, before = matrix(s.moved, n, n), np.empty(_N)
     joint = s.P[:] if n == _N else matrix(s.joint, n, n)
-    J[:_N, _N:] = 0.0
-    J[_N:, :_N] = 0.0
+    for i in range(_N):
+        for j in range(_N, n):
+            J[i, j] = J[j, i] = 0.0
     if s.clocks:
         _shift(s, before)
     _move_state(s, error[:_N], J[:_N, :_N])
@@ -210,10 +216,9 @@ def write_joint_covariance(block: Block, after: Float) -> None:
     after[:, :] = joint_covariance(block[0])
 
 
-@njit(types.void(FILTER_TYPE, from_dtype(ESTIMATE)[::1]), cache=True)  # type: ignore[untyped-decorator]
-def write_report(block: Block, estimate: Block) -> None:
-    """Write the state with its covariance in map axes, shape (1,), dtype `ESTIMATE`."""
-    s, e = block[0], estimate[0]
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _report(s: np.record, e: np.record) -> None:
+    """Write the state of a filter into an estimate."""
     e.sample.stamp_s, e.sample.since_last_s = s.sample.stamp_s, s.sample.since_last_s
     for i in range(3):
         e.sample.rate[i], e.sample.force[i] = s.sample.rate[i], s.sample.force[i]
@@ -222,3 +227,19 @@ def write_report(block: Block, estimate: Block) -> None:
         for j in range(3):
             e.R[i, j] = s.R[i, j]
     linearise(s.R, s.P, e.P[:])
+
+
+@njit(types.void(FILTER_TYPE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
+def write_report(block: Block, estimate: Block) -> None:
+    """Write the state with its covariance in map axes, shape (1,), dtype `ESTIMATE`."""
+    _report(block[0], estimate[0])
+
+
+@njit(types.int64(FILTER_TYPE, SAMPLES_TYPE, _INT, _INT, _REAL, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
+def report_until(
+    block: Block, ring: Block, first: int, end: int, until_s: float, estimate: Block
+) -> int:
+    """Do what `predict_until` and then `write_report` do."""
+    first = follow_samples(block[0], ring, first, end, until_s)
+    _report(block[0], estimate[0])
+    return first

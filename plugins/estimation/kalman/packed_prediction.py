@@ -20,7 +20,7 @@ from executive.arrays import Float
 _LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
 _REAL = types.float64
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
-_SAMPLES = from_dtype(SAMPLE)[::1]
+SAMPLES_TYPE = from_dtype(SAMPLE)[::1]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -128,7 +128,22 @@ def _predict(s: np.record, stamp_s: float, since_last_s: float, rate: Float, for
     _inflate(s, 0.5 * since_last_s * velocity_m_s, velocity_m_s, usual_rate(s.usual[:]) * share_s)
 
 
-@njit(types.int64(FILTER_TYPE, _SAMPLES, types.int64, types.int64, _REAL), cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def follow_samples(s: np.record, ring: Block, first: int, end: int, until_s: float) -> int:
+    """Do what `predict_until` does, for callers in compiled code."""
+    n = len(ring)
+    first = max(first, end - n)
+    while first < end and ring[first % n].stamp_s <= until_s:
+        one = ring[first % n]
+        _predict(s, one.stamp_s, one.since_last_s, one.rate, one.force)
+        first += 1
+    if first < end and s.sample.stamp_s < until_s:
+        one = ring[first % n]
+        _predict(s, until_s, one.since_last_s, one.rate, one.force)
+    return first
+
+
+@njit(types.int64(FILTER_TYPE, SAMPLES_TYPE, types.int64, types.int64, _REAL), cache=True)  # type: ignore[untyped-decorator]
 def predict_until(block: Block, ring: Block, first: int, end: int, until_s: float) -> int:
     """Propagate through samples up to a time, the last one cut off there.
 
@@ -141,16 +156,7 @@ def predict_until(block: Block, ring: Block, first: int, end: int, until_s: floa
     Returns:
         The number of the first sample that was not used up.
     """
-    s, n = block[0], len(ring)
-    first = max(first, end - n)
-    while first < end and ring[first % n].stamp_s <= until_s:
-        one = ring[first % n]
-        _predict(s, one.stamp_s, one.since_last_s, one.rate, one.force)
-        first += 1
-    if first < end and s.sample.stamp_s < until_s:
-        one = ring[first % n]
-        _predict(s, until_s, one.since_last_s, one.rate, one.force)
-    return first
+    return int(follow_samples(block[0], ring, first, end, until_s))
 
 
 @njit(types.void(FILTER_TYPE, _REAL, _REAL, _VECTOR, _VECTOR), cache=True)  # type: ignore[untyped-decorator]

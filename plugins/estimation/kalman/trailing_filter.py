@@ -1,5 +1,6 @@
 """A filter that trails the newest inertial sample, for measurements that arrive late."""
 
+import math
 from bisect import insort
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -39,6 +40,9 @@ class Predicted(Protocol):
     def packed(self) -> Block:
         """Return what is reported as a row, with the covariance in map axes, see `packing`."""
 
+    def packed_at(self, ring: Block, first: int, end: int, until_s: float) -> tuple[int, Block]:
+        """Do what `predict_until` and then `packed` do."""
+
 
 K = TypeVar("K", bound=Predicted)
 
@@ -60,6 +64,7 @@ class TrailingFilter(Generic[K]):
         self._first = propagator.samples  # number of the first sample that is newer than the filter
         self._newest_s = self._begin_s
         self._corrections: list[Correction] = []
+        self._next_s = math.inf  # time of the first of them
         self._anchored_s = self._begin_s
         propagator.take(kalman.packed())
 
@@ -73,6 +78,7 @@ class TrailingFilter(Generic[K]):
                 self._wait_for(correction.stamp_s)
                 return False
             insort(self._corrections, correction)
+            self._next_s = self._corrections[0].stamp_s
         return True
 
     def _wait_for(self, stamp_s: float) -> None:
@@ -92,8 +98,8 @@ class TrailingFilter(Generic[K]):
             stamp_s: Time of the sample, which the propagator has taken [s].
         """
         self._newest_s = stamp_s
-        is_old = stamp_s - self._anchored_s >= _COVARIANCE_PERIOD_S
-        if is_old or self._is_corrected_by(stamp_s - self._lag_s):
+        is_corrected = self._next_s <= stamp_s - self._lag_s
+        if is_corrected or stamp_s - self._anchored_s >= _COVARIANCE_PERIOD_S:
             self.follow()
 
     def follow(self) -> None:
@@ -101,29 +107,26 @@ class TrailingFilter(Generic[K]):
         if self._first == self._propagator.samples:
             return
         until_s = self._newest_s - self._lag_s
-        is_corrected = self._advance(until_s)
-        self._anchored_s = self._newest_s
-        estimate = self.kalman.packed()
+        is_corrected = self._next_s <= until_s
         if is_corrected:
-            self._propagator.take(estimate)
+            self._correct(until_s)
+        self._anchored_s, propagator = self._newest_s, self._propagator
+        self._first, estimate = self.kalman.packed_at(
+            propagator.ring, self._first, propagator.samples, until_s
+        )
+        if is_corrected:
+            propagator.take(estimate)
         else:
-            self._propagator.anchor(estimate)
+            propagator.anchor(estimate)
 
-    def _is_corrected_by(self, until_s: float) -> bool:
-        """Return whether a correction is due until a time."""
-        return bool(self._corrections) and self._corrections[0].stamp_s <= until_s
-
-    def _advance(self, until_s: float) -> bool:
-        """Predict up to a time, with all corrections until then; return whether there were any."""
-        corrections, is_corrected = self._corrections, False
+    def _correct(self, until_s: float) -> None:
+        """Predict to each correction up to a time, and apply it."""
+        corrections, propagator = self._corrections, self._propagator
         while corrections and corrections[0].stamp_s <= until_s:
-            correction, is_corrected = corrections.pop(0), True
-            self._predict(correction.stamp_s)
+            correction = corrections.pop(0)
+            if correction.stamp_s > self.kalman.stamp_s:
+                self._first = self.kalman.predict_until(
+                    propagator.ring, self._first, propagator.samples, correction.stamp_s
+                )
             correction.apply()
-        self._predict(until_s)
-        return is_corrected
-
-    def _predict(self, until_s: float) -> None:
-        if until_s > self.kalman.stamp_s:
-            ring, end = self._propagator.ring, self._propagator.samples
-            self._first = self.kalman.predict_until(ring, self._first, end, until_s)
+        self._next_s = corrections[0].stamp_s if corrections else math.inf

@@ -76,20 +76,20 @@ def _carry_covariance(s: Any) -> None:
     carry_covariance_into(s.from_P, s.from_R, s.from_rate, s.from_force, s.densities, dt_s, s.P)
     turn_into(dt_s * s.from_rate[0], dt_s * s.from_rate[1], dt_s * s.from_rate[2], s.half_turn)
     multiply(s.from_R, s.half_turn, s.R_middle)  # the attitude whose axes its rotations have
-    J = np.eye(6)
-    J[:3, :3] = s.R_middle
-    P = np.empty((6, 6))
+    J, P = s.by_pose, np.empty((6, 6))
     for i in range(6):
         for j in range(6):
+            J[i, j] = 1.0 if i == j else 0.0
+            if i < 3 and j < 3:
+                J[i, j] = s.R_middle[i, j]
             P[i, j] = s.P[_pose_index(i), _pose_index(j)]
-    _sandwich(J, P, s.map_covariance)
+    _sandwich(J, P, s.half, s.map_covariance)
     s.carried_s = s.stamp_s
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _sandwich(J: Float, P: Float, after: Float) -> None:
-    """Compute J P Jᵀ, shapes (6, 6)."""
-    half = np.empty((6, 6))
+def _sandwich(J: Float, P: Float, half: Float, after: Float) -> None:
+    """Compute J P and J P Jᵀ, shapes (6, 6)."""
     for i in range(6):
         for j in range(6):
             total = 0.0
@@ -107,17 +107,16 @@ def _sandwich(J: Float, P: Float, after: Float) -> None:
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _report_covariance(s: Any, T_map_cabin: Float, after: Float) -> None:
     """Write the covariance of the cabin's pose in its axes, shape (6, 6)."""
-    J = np.zeros((6, 6))
-    arm = T_map_cabin[:3, 3] - s.p
+    J, T, p = s.by_pose, T_map_cabin, s.p
+    a, b, c = T[0, 3] - p[0], T[1, 3] - p[1], T[2, 3] - p[2]
     for i in range(3):
-        x, y, z = T_map_cabin[0, i], T_map_cabin[1, i], T_map_cabin[2, i]
+        x, y, z = T[0, i], T[1, i], T[2, i]
         J[i, 0], J[i, 1], J[i, 2] = x, y, z
+        J[i, 3], J[i, 4], J[i, 5] = 0.0, 0.0, 0.0
         J[3 + i, 3], J[3 + i, 4], J[3 + i, 5] = x, y, z
         # A rotation θ of the sensor moves the cabin by θ × arm; along an axis, by (arm × axis) θ.
-        J[3 + i, 0] = arm[1] * z - arm[2] * y
-        J[3 + i, 1] = arm[2] * x - arm[0] * z
-        J[3 + i, 2] = arm[0] * y - arm[1] * x
-    _sandwich(J, s.map_covariance, after)
+        J[3 + i, 0], J[3 + i, 1], J[3 + i, 2] = b * z - c * y, c * x - a * z, a * y - b * x
+    _sandwich(J, s.map_covariance, s.half, after)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -138,6 +137,7 @@ def _place(s: Any, T: Float) -> None:
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _report(s: Any, row: Any) -> None:
     """Write the fields of a report, see `BaseState`."""
+    row.stamp_s = s.stamp_s
     if not abs(s.stamp_s - s.carried_s) <= _COVARIANCE_PERIOD_S:
         _carry_covariance(s)
     ahead_s = min(_TURN_AHEAD_S, max(-_TURN_AHEAD_S, s.stamp_s - s.turn_s))

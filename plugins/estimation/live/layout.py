@@ -71,6 +71,8 @@ LIVE = np.dtype(
         ("T_map_imu", "f8", (4, 4)),
         ("T_cabin_base", "f8", (4, 4)),
         ("T_before", "f8", (4, 4)),
+        ("by_pose", "f8", (6, 6)),
+        ("half", "f8", (6, 6)),
         # Exchange with the smoother's process.
         ("written", "i8"),  # number of samples that were written
         ("forgotten", "i8"),  # number of samples before a restart, which are not integrated

@@ -8,6 +8,7 @@ from executive.messages.base_state import BaseState
 
 ROW = np.dtype(
     [
+        ("stamp_s", "f8"),
         ("T_map_base", "f8", (4, 4)),
         ("T_odom_base", "f8", (4, 4)),
         ("T_map_cabin", "f8", (4, 4)),
@@ -22,23 +23,29 @@ ROW = np.dtype(
 class PackedState(BaseState):
     """A `BaseState` over one row of memory, for an estimator that reports at each inertial sample.
 
-    Making and checking six arrays would take longer than propagating a state. The caller must
-    ensure that the row is finite, read-only and not written to any more.
+    Making and checking six arrays would take longer than propagating a state. The object can be
+    made before the row is written. The caller must ensure that the row, once it is handed out, is
+    finite, read-only and not written to any more.
     """
 
     __slots__ = ("_row",)
     _row: NDArray[np.void]
 
-    def __init__(self, stamp_s: float, row: NDArray[np.void], status: str) -> None:
+    def __init__(self, row: NDArray[np.void], status: str) -> None:
         """Make a state of a read-only row, shape (1,), dtype `ROW`."""
-        put = object.__setattr__
-        put(self, "stamp_s", stamp_s)
-        put(self, "_row", row)
-        put(self, "status", status)
+        object.__setattr__(self, "_row", row)
+        object.__setattr__(self, "status", status)
 
     def __reduce__(self) -> tuple[object, ...]:
-        arrays = (getattr(self, name) for name in ROW.names or ())
-        return BaseState, (self.stamp_s, *arrays, self.status)
+        return BaseState, (*(getattr(self, name) for name in ROW.names or ()), self.status)
+
+    def of_status(self, status: str) -> "PackedState":
+        """Return the same state with another status."""
+        return PackedState(self._row, status)
+
+    @property
+    def stamp_s(self) -> float:
+        return float(self._row["stamp_s"][0])
 
     @property
     def T_map_base(self) -> Float:

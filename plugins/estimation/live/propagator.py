@@ -1,6 +1,7 @@
 """The state at the newest inertial sample, propagated from the last estimate."""
 
 import numpy as np
+from executive_plugins.estimation.direct_call import direct
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.live.kernels import (
     GAP,
@@ -21,6 +22,7 @@ from executive.messages.base_state import BaseState
 
 __all__ = ["GAP", "OUT_OF_RANGE", "LivePropagator"]
 _ROWS = 32  # reports allocated at once, which takes as long as allocating one
+_step, _take, _anchor, _report = direct(step), direct(take), direct(anchor), direct(report)
 
 
 class LivePropagator:
@@ -59,8 +61,9 @@ class LivePropagator:
         )
         self._turn = turn
         self._has_state = False
-        self._rows: list[tuple[Block, Block]] = []
-        self._row: Block | None = None  # report of the newest sample, if nothing has changed since
+        self._status = ""  # of the newest report
+        self._rows: list[tuple[Block, PackedState]] = []
+        self._newest: PackedState | None = None  # of the newest sample, if not changed since
         self.stamp_s, self.samples = -np.inf, 0
         self.ring: Block = self.block["samples"][0]
         self._state_s = self.block["stamp_s"]
@@ -80,12 +83,10 @@ class LivePropagator:
 
     def step(self, stamp_s: float, rate: Float, force: Float) -> int:
         """Propagate to a sample; see `kernels.step`."""
-        if not self._rows:
-            self._rows = _new_rows()
-        row, locked = self._rows.pop()
-        answered: int = step(self.block, stamp_s, rate, force, row)
+        row, state = self._rows.pop() if self._rows else self._next_row()
+        answered: int = _step(self.block, stamp_s, rate, force, row)
         if answered >= 0:
-            self._row, self.stamp_s = locked, stamp_s
+            self._newest, self.stamp_s = state, stamp_s
             self.samples += 1
         return answered
 
@@ -101,9 +102,9 @@ class LivePropagator:
             turn.position_rad,
             turn.velocity_rad_s,
         )
-        self._row = None
+        self._newest = None
         if len(self._rows) < _ROWS // 2:
-            self._rows = _new_rows() + self._rows
+            self._rows = _new_rows(self._status) + self._rows
 
     def forget_samples(self) -> None:
         """Exclude all samples so far from propagation.
@@ -123,18 +124,25 @@ class LivePropagator:
         Returns:
             Whether the estimate was finite; if not, it is ignored.
         """
-        if not take(self.block, estimate, self._has_state and not is_alone):
+        if not _take(self.block, estimate, self._has_state and not is_alone):
             return False
-        self._has_state, self._row, self.stamp_s = True, None, float(self._state_s.item())
+        self._has_state, self._newest = True, None
+        self.stamp_s = float(self._state_s.item())
         return True
+
+    def _next_row(self) -> tuple[Block, PackedState]:
+        """Return a row to be written, and the state over it."""
+        if not self._rows:
+            self._rows = _new_rows(self._status)
+        return self._rows.pop()
 
     def anchor(self, estimate: Block) -> None:
         """Propagate the covariance from an estimate and keep the state.
 
         The estimate has shape (1,) and dtype `ESTIMATE`.
         """
-        anchor(self.block, estimate)
-        self._row = None
+        _anchor(self.block, estimate)
+        self._newest = None
 
     def take_answer(self, number: int) -> tuple[int, int]:
         """Replace the state by an estimate that the smoother's process has written into the block.
@@ -149,8 +157,8 @@ class LivePropagator:
         answer = self._answer(number)
         if answer["epoch"][0] != self.epoch:
             return -1, 0
-        take(self.block, answer, True)
-        self._row = None
+        _take(self.block, answer, True)
+        self._newest = None
         return int(answer["mode"][0]), int(answer["messages"][0])
 
     def _answer(self, number: int) -> Block:
@@ -177,15 +185,24 @@ class LivePropagator:
 
     def state(self, status: str) -> BaseState:
         """Return the state at the newest sample."""
-        if self._row is None:
-            row, self._row = (self._rows or _new_rows()).pop()
-            report(self.block, row)
-        return PackedState(self.stamp_s, self._row, status)
+        state = self._newest
+        if state is None:
+            row, state = self._next_row()
+            _report(self.block, row)
+            self._newest = state
+        if state.status != status:
+            self._status = status
+            state = self._newest = state.of_status(status)
+        return state
 
 
-def _new_rows() -> list[tuple[Block, Block]]:
-    """Return writable rows, each with a read-only view of itself to be handed out."""
+def _new_rows(status: str) -> list[tuple[Block, PackedState]]:
+    """Return writable rows, each with the state that is handed out: a read-only view of it.
+
+    The states are made ahead as well, with the status that is likely, since a sample that makes
+    an object takes longer.
+    """
     rows = np.zeros(_ROWS, ROW)
     locked = rows.view()
     locked.flags.writeable = False
-    return [(rows[k : k + 1], locked[k : k + 1]) for k in range(_ROWS)]
+    return [(rows[k : k + 1], PackedState(locked[k : k + 1], status)) for k in range(_ROWS)]
