@@ -108,6 +108,16 @@ def _refutes_noise(far: float, all2: float, values: int, count: int) -> bool:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
+def _put_first(rows: Float, count: int, white: Float) -> None:
+    """Put an innovation before the others, the last of which may be lost; see `_leaning`."""
+    for i in range(count - 1, 0, -1):
+        for j in range(len(white)):
+            rows[i, j] = rows[i - 1, j]
+    for j in range(len(white)):
+        rows[0, j] = white[j]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
 def _leaning(rows: Float, count: int, white: Float, limit: float, end: Float) -> int:
     """Put an innovation first, and look for a lean in the fewest innovations that show one.
 
@@ -120,28 +130,25 @@ def _leaning(rows: Float, count: int, white: Float, limit: float, end: Float) ->
         The number of innovations that show a lean; 0 if there is none.
     """
     m = len(white)
-    for i in range(count - 1, 0, -1):
-        for j in range(m):
-            rows[i, j] = rows[i - 1, j]
-    for j in range(m):
-        rows[0, j] = white[j]
-    mean, slope = np.zeros(m), np.zeros(m)
+    _put_first(rows, count, white)
+    total, moment, all2, begun = np.zeros(m), np.zeros(m), 0.0, 0
     for lasts in _COUNTS:
         if count < lasts:
             return 0
-        middle = 0.5 * (lasts - 1)
-        times2 = lasts * (lasts * lasts - 1) / 12.0
-        far, all2 = 0.0, 0.0
-        for j in range(m):
-            mean[j], slope[j] = 0.0, 0.0
-            for i in range(lasts):
-                mean[j] += rows[i, j]
-                slope[j] += (middle - i) * rows[i, j]
+        for i in range(begun, lasts):
+            for j in range(m):
+                total[j] += rows[i, j]
+                moment[j] += i * rows[i, j]
                 all2 += rows[i, j] * rows[i, j]
-            far += mean[j] * mean[j] / lasts + slope[j] * slope[j] / times2
+        begun, middle, far = lasts, 0.5 * (lasts - 1), 0.0
+        times2 = lasts * (lasts * lasts - 1) / 12.0
+        for j in range(m):
+            slope = middle * total[j] - moment[j]
+            far += total[j] * total[j] / lasts + slope * slope / times2
         if far > limit and _refutes_noise(far, all2, m * lasts, lasts):
             for j in range(m):
-                end[j] = mean[j] / lasts + middle * slope[j] / times2
+                slope = middle * total[j] - moment[j]
+                end[j] = total[j] / lasts + middle * slope / times2
             return lasts
     return 0
 

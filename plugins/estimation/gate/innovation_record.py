@@ -41,6 +41,7 @@ INNOVATIONS = np.dtype(
         ("bias_end", "f8", (3,)),
         ("factors", "f8", (SCALE_COUNT,)),
         ("factor_counts", "i8", (2,)),
+        ("middle", "f8"),  # of the factors
         ("calm", "f8", (3,)),
         # Bounds.
         ("gate", "f8"),
@@ -75,6 +76,7 @@ class InnovationRecord:
         row["gate"], row["usual"], row["median"] = gate, usual_size(3), median_size(3)
         row["calm"] = calm_scale(kept_s, factor)
         know_scale(row["factors"], row["factor_counts"], factor)
+        row["middle"] = middle_factor(row["factors"], row["factor_counts"])
 
     def expect(self, period_s: float) -> None:
         """Set the usual time between two innovations [s]: false alarms are as rare in time."""
@@ -120,8 +122,7 @@ def judge(g: np.record, residual: Float, predicted: Float, noise: Float, now_s: 
     Returns:
         `DOUBTED` if fix and prediction contradict each other, and `LEANS` if a bias explains that.
     """
-    newest = middle_factor(g.factors[:], g.factor_counts[:])
-    factor = calm_factor(g.calm, now_s, g.alarm_counts[2] != 0, newest)
+    factor = calm_factor(g.calm, now_s, g.alarm_counts[2] != 0, g.middle)
     for i in range(3):
         for j in range(3):
             g.S[i, j] = predicted[i, j] + factor * noise[i, j]
@@ -135,7 +136,7 @@ def judge(g: np.record, residual: Float, predicted: Float, noise: Float, now_s: 
     leans = is_near and g.bias_counts[1] != 0
     if not leans:
         rescale(g.factors[:], g.factor_counts[:], residual, predicted, noise, g.median)
-        factor = middle_factor(g.factors[:], g.factor_counts[:])
+        factor = g.middle = middle_factor(g.factors[:], g.factor_counts[:])
     for i in range(3):
         for j in range(3):
             noise[i, j] *= factor

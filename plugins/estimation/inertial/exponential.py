@@ -204,11 +204,13 @@ def move(  # noqa: PLR0913 - compiled code takes the arrays of a state one by on
         after: Position, velocity and both biases after, shape (4, 3).
     """
     theta = error[0:3]
-    J[:, :] = 0.0
     for i in range(15):
-        J[i, i] = 1.0
+        for j in range(15):
+            J[i, j] = 1.0 if i == j else 0.0
     _turn_left(R, theta, J[3:6, 3:6], J[0:3, 0:3])
-    J[6:9, 6:9] = J[3:6, 3:6]
+    for i in range(3):
+        for j in range(3):
+            J[6 + i, 6 + j] = J[3 + i, 3 + j]
     _bend(R, theta, error[3:6], J[3:6, 0:3])
     _bend(R, theta, error[6:9], J[6:9, 0:3])
     turn = np.empty((3, 3))
@@ -239,7 +241,7 @@ def _add_curvature(R: Float, P_body: Float, W: Float, X_body: Float, after: Floa
         X_body: Covariance of θ, body axes, with w, shape (3, 3).
         after: What is added to, shape (3, 3).
     """
-    P, X = _product(_product(R, P_body), np.ascontiguousarray(R.T)), _product(R, X_body)
+    P, X = _product(_product(R, P_body), R.T), _product(R, X_body)
     for i in range(3):
         a, b = (i + 1) % 3, (i + 2) % 3
         for j in range(3):

@@ -5,7 +5,6 @@ from executive_plugins.estimation.inertial.state import (
     DIMENSION,
     InertialState,
 )
-from executive_plugins.estimation.inertial.strapdown import turned_cross
 from numba import njit, types
 
 from executive.arrays import Float
@@ -41,6 +40,19 @@ def standstill_residual(state: InertialState, arm_imu: Float) -> tuple[Float, Fl
     return residual, H
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _turn_cross(R: Float, v: Float, sign: float, H: Float, first: int) -> None:
+    """Write ±R [v]× from a column of H on.
+
+    Slices of arrays would be shorter here, but bring code for shapes that differ and for overlaps:
+    after a pause, a correction takes as long as it has code.
+    """
+    for i in range(3):
+        for j in range(3):
+            k, m = (j + 1) % 3, (j + 2) % 3
+            H[i, first + j] = sign * (R[i, k] * v[m] - R[i, m] * v[k])
+
+
 @njit(  # type: ignore[untyped-decorator]
     types.void(_MATRIX, _VECTOR, _VECTOR, _VECTOR, _NEW_VECTOR, _SLICE), cache=True
 )
@@ -48,11 +60,12 @@ def write_antenna(
     R: Float, p: Float, arm: Float, antenna: Float, residual: Float, H: Float
 ) -> None:
     """Do what `antenna_residual` does, with results in arrays of the caller."""
-    H[:, :] = 0.0
-    H[:, 0:3] = -turned_cross(R, arm)
     for i in range(3):
+        for j in range(H.shape[1]):
+            H[i, j] = 0.0
         H[i, 6 + i] = 1.0
         residual[i] = antenna[i] - p[i] - (R[i, 0] * arm[0] + R[i, 1] * arm[1] + R[i, 2] * arm[2])
+    _turn_cross(R, arm, -1.0, H, 0)
 
 
 @njit(  # type: ignore[untyped-decorator]
@@ -66,8 +79,10 @@ def write_standstill(
     for i in range(3):
         k, m = (i + 1) % 3, (i + 2) % 3
         speed[i] = rate[k] * arm[m] - rate[m] * arm[k]
-    H[:, :] = 0.0
-    H[:, 0:3], H[:, 9:12] = -turned_cross(R, speed), turned_cross(R, arm)
     for i in range(3):
+        for j in range(H.shape[1]):
+            H[i, j] = 0.0
         H[i, 3 + i] = 1.0
         residual[i] = -(v[i] + R[i, 0] * speed[0] + R[i, 1] * speed[1] + R[i, 2] * speed[2])
+    _turn_cross(R, speed, -1.0, H, 0)
+    _turn_cross(R, arm, 1.0, H, 9)

@@ -57,15 +57,6 @@ def multiply(A: Float, B: Float, C: Float) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _rotated(R: Float, v: Float) -> Float:
-    """Return R v, shape (3,)."""
-    w = np.empty(3)
-    for i in range(3):
-        w[i] = R[i, 0] * v[0] + R[i, 1] * v[1] + R[i, 2] * v[2]
-    return w
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
 def chain(A: Float, B: Float, C: Float) -> None:
     """Compute C = A B for poses, shapes (4, 4)."""
     for i in range(3):
@@ -109,14 +100,18 @@ def advance(  # noqa: PLR0913 - compiled code takes the arrays of a state one by
         gravity_m_s2: Along the map's −z.
         R_after, p_after, v_after: Results, of the same shapes.
     """
-    half_turn = _turn(rate - gyro_bias, 0.5 * dt_s)
-    R_middle = np.empty((3, 3))
+    half_turn, R_middle, half_s, b = np.empty((3, 3)), np.empty((3, 3)), 0.5 * dt_s, gyro_bias
+    turn_into(
+        half_s * (rate[0] - b[0]), half_s * (rate[1] - b[1]), half_s * (rate[2] - b[2]), half_turn
+    )
     multiply(R, half_turn, R_middle)
-    acceleration = _rotated(R_middle, force - accel_bias)
-    acceleration[2] -= gravity_m_s2
     multiply(R_middle, half_turn, R_after)
+    x, y, z = force[0] - accel_bias[0], force[1] - accel_bias[1], force[2] - accel_bias[2]
     for i in range(3):
-        v_after[i] = v[i] + dt_s * acceleration[i]
+        acceleration = R_middle[i, 0] * x + R_middle[i, 1] * y + R_middle[i, 2] * z
+        if i == 2:
+            acceleration -= gravity_m_s2
+        v_after[i] = v[i] + dt_s * acceleration
         p_after[i] = p[i] + 0.5 * dt_s * (v[i] + v_after[i])
 
 

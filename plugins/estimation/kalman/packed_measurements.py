@@ -25,8 +25,9 @@ _N = 15
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _blank(s: np.record) -> Float:
     """Return the derivative of a measurement of three values by the errors, zero, (3, 15 + k)."""
+    for i in range(3 * (_N + s.companions)):
+        s.H[i] = 0.0
     H: Float = matrix(s.H, 3, _N + s.companions)
-    H[:, :] = 0.0
     return H
 
 
@@ -46,7 +47,9 @@ def _compare_fix(
     """Write residual, derivative and noise of a fix."""
     H, noise, residual = _blank(s), matrix(s.noise, 3, 3), s.residual[:3]
     write_antenna(s.R, s.p, arm, p_map_antenna, residual, H[:, :_N])
-    noise[:, :] = covariance
+    for i in range(3):
+        for j in range(3):
+            noise[i, j] = covariance[i, j]
     if s.clocks == 0 or s.own[0, 0] == 0.0:
         return
     velocity, acceleration = np.empty(3), np.empty(3)
