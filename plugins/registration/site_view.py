@@ -26,7 +26,7 @@ def compile_site_view() -> None:
     few, shown = np.zeros((1, 3)), np.zeros((1, 3))
     shown.flags.writeable = False
     for ground in (few, shown):
-        _plain_cells(np.eye(4), ground, few, _CELL_M)
+        _plain_cells(np.eye(4), ground, few)
         thinned(ground, _GROUND_VOXEL_M)
     _at(np.zeros((1, 2), dtype=np.int64), np.zeros(2, dtype=np.int64), np.zeros((1, 1)), 0.0)
 
@@ -56,20 +56,16 @@ class SiteView:
         return _heights_of(transform(self._T_level_cloud, self.ground))
 
     @cached_property
-    def _plain(self) -> tuple[Int, Bool, Float]:
+    def _plain(self) -> tuple[Int, Bool, Float, float]:
         """The first cell, which cells show the ground and nothing on it, and how high each is
-        covered [m]: up to the top of a stone; −inf on plain ground, +inf where nothing is seen.
+        covered [m]: up to the top of a stone; −inf on plain ground, +inf where nothing is seen. At
+        last the edge of a cell [m].
         """
         T = self._T_level_cloud
         stones = np.vstack([stone.points for stone in self.stones])
         ground = np.ascontiguousarray(self._seen.ground.points)
-        low, is_plain, tops = _plain_cells(T, ground, stones, self._cell_m)
-        return low, is_plain, tops
-
-    @cached_property
-    def _cell_m(self) -> float:
-        sides_m = np.ptp(self._seen.ground.points, axis=0)
-        return max(_CELL_M, float(np.sqrt(sides_m[0] * sides_m[1] / _MOST_CELLS)))
+        low, is_plain, tops, cell_m = _plain_cells(T, ground, stones)
+        return low, is_plain, tops, cell_m
 
     @cached_property
     def _clearances_m(self) -> Float:
@@ -78,7 +74,7 @@ class SiteView:
         """
         is_plain = np.pad(self._plain[1], 1)
         apart = distance_transform_edt(is_plain)[1:-1, 1:-1] - 1.0 - np.sqrt(0.5)
-        return np.asarray(apart * self._cell_m)
+        return np.asarray(apart * self._plain[3])
 
     def clearance_m(self, points_cloud: Float) -> Float:
         """Return how far around each point plain ground was seen, at least [m], shape (N,).
@@ -113,9 +109,9 @@ class SiteView:
         lower than that top is inside the stone or hidden by it. Points are in this cloud's frame
         [m], shape (N, 3).
         """
-        low, _, tops = self._plain
+        low, _, tops, cell_m = self._plain
         places = transform(self._T_level_cloud, points_cloud)
-        covered = _at(_cells_of(places, self._cell_m), low, tops, np.inf)
+        covered = _at(_cells_of(places, cell_m), low, tops, np.inf)
         return np.asarray(places[:, 2] > covered + margin_m)
 
     def share_on_plain_ground(self, points_cloud: Float) -> float:
@@ -123,7 +119,7 @@ class SiteView:
 
         Points are in this cloud's frame [m], shape (N, 3).
         """
-        low, is_plain, _ = self._plain
+        low, is_plain, *_ = self._plain
         cells = self._cells(points_cloud) - low
         width = np.ptp(cells[:, 1]) + 1 if len(cells) else 1
         first = np.unique(cells[:, 0] * width + cells[:, 1], return_index=True)[1]
@@ -141,7 +137,7 @@ class SiteView:
         return np.asarray(theirs[others_rows] - heights[mine])
 
     def _cells(self, points_cloud: Float) -> Int:
-        return _cells_of(transform(self._T_level_cloud, points_cloud), self._cell_m)
+        return _cells_of(transform(self._T_level_cloud, points_cloud), self._plain[3])
 
 
 def _cells_of(places: Float, cell_m: float) -> Int:
@@ -162,27 +158,28 @@ def _at(cells: Int, low: Int, values: Float, outside: float) -> Float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _plain_cells(T: Float, ground: Float, stones: Float, cell_m: float) -> tuple[Int, Bool, Float]:
-    """Return the first cell, which cells are plain, and how high each is covered; see `_plain`.
+def _plain_cells(T: Float, ground: Float, stones: Float) -> tuple[Int, Bool, Float, float]:
+    """Return the first cell, which cells are plain, how high each is covered, and the edge of a
+    cell; see `_plain`.
 
     A cell is plain if points lie in `_LEAST_COUNT` of its nine parts, and none of a stone.
     """
-    low, high, level = np.full(2, np.inf), np.full(2, -np.inf), np.empty(3)
-    for n in range(len(ground) + len(stones)):
-        _set_level(level, T, ground[n] if n < len(ground) else stones[n - len(ground)])
-        for a in range(2):
-            low[a], high[a] = min(low[a], level[a]), max(high[a], level[a])
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    _widen(low, high, T, ground)
+    _widen(low, high, T, stones)
+    cell_m = max(_CELL_M, np.sqrt((high[0] - low[0]) * (high[1] - low[1]) / _MOST_CELLS))
     first = np.floor(low / cell_m).astype(np.int64)
     shape = np.floor(high / cell_m).astype(np.int64) - first + 1
     seen, counts = np.zeros((shape[0], shape[1], 9), dtype=np.bool_), np.zeros((shape[0], shape[1]))
     tops = np.full((shape[0], shape[1]), -np.inf)
-    for n in range(len(ground) + len(stones)):
-        _set_level(level, T, ground[n] if n < len(ground) else stones[n - len(ground)])
-        u, v = level[0] / cell_m - first[0], level[1] / cell_m - first[1]
+    for n in range(len(stones)):
+        u, v = _level(T, stones, n, 0) / cell_m, _level(T, stones, n, 1) / cell_m
+        i, j = int(u - first[0]), int(v - first[1])
+        tops[i, j] = max(tops[i, j], _level(T, stones, n, 2))
+    for n in range(len(ground)):
+        u = _level(T, ground, n, 0) / cell_m - first[0]
+        v = _level(T, ground, n, 1) / cell_m - first[1]
         i, j = int(u), int(v)
-        if n >= len(ground):
-            tops[i, j] = max(tops[i, j], level[2])
-            continue
         part = 3 * min(int(3 * (u - i)), 2) + min(int(3 * (v - j)), 2)
         counts[i, j] += not seen[i, j, part]
         seen[i, j, part] = True
@@ -191,15 +188,24 @@ def _plain_cells(T: Float, ground: Float, stones: Float, cell_m: float) -> tuple
         for j in range(shape[1]):
             if not is_plain[i, j] and tops[i, j] == -np.inf:
                 tops[i, j] = np.inf
-    return first, is_plain, tops
+    return first, is_plain, tops, cell_m
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _set_level(level: Float, T: Float, point: Float) -> None:
-    """Move a point, each time that it is asked for: all together would take much memory."""
-    x, y, z = point
-    for a in range(3):
-        level[a] = T[a, 0] * x + T[a, 1] * y + T[a, 2] * z + T[a, 3]
+def _level(T: Float, points: Float, n: int, axis: int) -> float:
+    """Return a coordinate of a moved point, each time anew: all together would take much memory."""
+    x, y, z = points[n, 0], points[n, 1], points[n, 2]
+    place: float = T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z + T[axis, 3]
+    return place
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _widen(low: Float, high: Float, T: Float, points: Float) -> None:
+    """Widen the corners of a box seen from above, so that it holds moved points, in place."""
+    for n in range(len(points)):
+        for a in range(2):
+            place = _level(T, points, n, a)
+            low[a], high[a] = min(low[a], place), max(high[a], place)
 
 
 def _heights_of(points_level: Float) -> tuple[Int, Float]:
