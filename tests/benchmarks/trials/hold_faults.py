@@ -4,6 +4,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from bounds import Bound, Figure, held
@@ -18,6 +19,7 @@ from executive.messages.command import MoveJaws
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
 from executive.messages.weight import Weight
+from executive.tree.load import load_mission
 from trials.grasp_attempts import A_SITE, Site, attempt, lay_out
 from trials.grasp_rows import shapes_of
 
@@ -115,7 +117,7 @@ def holds_of(number: int) -> Iterator[Hold]:
     """Carry the stones of one site, each once, and yield those that were held."""
     with tempfile.TemporaryDirectory() as folder:
         site = lay_out("generated", 1.0, "learned", number, Path(folder))
-    monitor = HoldState(HoldStateSettings(), site.machine)
+    monitor = HoldState(_as_shipped(), site.machine)
     monitor.start()
     watched = Watched(site, monitor)
     site.plugins["monitoring"] = [watched]
@@ -135,6 +137,12 @@ def holds_of(number: int) -> Iterator[Hold]:
         site.plugins["robot"].weaken(site.machine.jaw.name, 1.0)
         if watched.hold.stamps_s:
             yield watched.hold
+
+
+def _as_shipped() -> HoldStateSettings:
+    """Return the monitor's settings in the shipped missions."""
+    (monitor,) = load_mission("pick_and_place", ()).plugins["monitoring"]
+    return cast(HoldStateSettings, monitor.settings)
 
 
 def measured(sites: Iterable[int]) -> list[Figure]:
