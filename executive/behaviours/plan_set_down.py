@@ -37,12 +37,12 @@ _BRAKING_M_S2 = 0.5  # half of what the joints brake with at a radius of 5 m
 
 class PlanSetDownSettings(Settings):
     speed: MetersPerSecond = Field(
-        0.15,
+        0.3,
         gt=0,
         le=2,
         description="Largest speed of the gripper where the stone may meet the ground, if it has "
-        "turned about the tips [m/s]. The arm stops 0.3 s after it stands, and presses on it by "
-        "the way that it goes meanwhile.",
+        "turned about the tips [m/s]. The arm stops 0.3 s after the stone stands, and presses on "
+        "it by the way that it goes meanwhile; a slower one gives it time to slip on.",
     )
 
 

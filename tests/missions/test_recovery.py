@@ -165,11 +165,14 @@ def test_it_lets_go_looks_again_and_takes_the_stone_anew(finished):
     assert told == [*[*carry, *recovery] * again, *carry, *placed]
 
 
-def test_it_is_found_as_the_stone_that_it_is(finished):
+def test_it_is_found_as_the_stone_that_it_is(finished, trouble):
+    """One that has turned as it slipped is found by a segment, which replaces its model."""
+    methods = {"drop": {"registration"}, "slip": {"registration", "segmentation"}}[trouble]
     sought = [event["payload"] for event in finished.events("stone_sought_again")]
     assert sought
     for again in sought:
-        assert (again["stone"], again["seen"], again["method"]) == (1, [1], "registration")
+        assert (again["stone"], again["seen"]) == (1, [1])
+        assert again["method"] in methods
 
 
 def test_only_a_stone_that_is_still_held_is_set_down(finished, trouble):
