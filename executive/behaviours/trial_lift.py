@@ -91,8 +91,11 @@ class TrialLift(Action[TrialLiftSettings]):
         least = least_kg(stone, objects.stones(), self.settings.borne)
         if mass_kg < least:
             self.context.record(StoneNotLifted(hold.stone_id, up_m, mass_kg, least))
+            by_volume = "by its volume; light stones need less `borne`"
+            source = by_volume if stone.weight is None else "as weighed before"
             return failed(
                 f"the ground still carries a part of stone {hold.stone_id}: {up_m:.2f} m up, "
-                f"{mass_kg:.0f} kg hang in the jaws, and it weighs at least {least:.0f} kg"
+                f"{mass_kg:.0f} kg hang in the jaws, and it weighs at least {least:.0f} kg "
+                f"({source})"
             )
         return succeeded(reason=f"it hangs {up_m:.2f} m up with {mass_kg:.0f} kg")

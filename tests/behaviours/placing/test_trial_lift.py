@@ -50,6 +50,7 @@ def test_a_stone_of_which_the_ground_carries_a_part_is_not_lifted(
         assert told == []
         return
     assert "the ground still carries a part of stone 1" in ended.reason
+    assert ended.reason.endswith("(by its volume; light stones need less `borne`)")
     (event,) = told
     assert event.hanging_kg == pytest.approx(share * whole_kg)
     assert event.least_kg == pytest.approx(0.8 * whole_kg)
