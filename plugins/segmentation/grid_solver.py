@@ -19,7 +19,7 @@ class GridSolver:
     The first is factored; the others are solved by conjugate gradients, to which these factors are
     the preconditioner: a third of the time, and the same up to rounding. Without factors, all are
     solved up to a tenth of a millimetre in a metre: where nodes are far apart, points hold nearly
-    all of them and bending little, so that few steps settle.
+    all of them and bending little, so that few steps settle. Where they do not, it is factored.
     """
 
     def __init__(self, has_factors: bool = True) -> None:
@@ -29,11 +29,7 @@ class GridSolver:
 
     def solved(self, system: sparse.csc_array, right: Float) -> Float:
         """Return the solution, shape (N,); factors anew if steps do not settle."""
-        if not self._has_factors:
-            return self._without_factors(system, right)
-        factors = self._factors
-        steps = _SETTLED, _MOST_STEPS
-        if factors is not None and self._by_steps(factors.solve, system, right, *steps):
+        if self._stepped(system, right):
             return self._last
         self._factors = splu(  # without pivots: two thirds of the usual time
             system,
@@ -44,12 +40,15 @@ class GridSolver:
         self._last = np.asarray(self._factors.solve(right))
         return self._last
 
-    def _without_factors(self, system: sparse.csc_array, right: Float) -> Float:
+    def _stepped(self, system: sparse.csc_array, right: Float) -> bool:
+        """Step to the solution from the last one, if that can be done; return whether it was."""
+        if self._has_factors:
+            factors, limits = self._factors, (_SETTLED, _MOST_STEPS)
+            return factors is not None and self._by_steps(factors.solve, system, right, *limits)
         if not len(self._last):
             self._last = np.zeros(len(right))
-        diagonal = system.diagonal()
-        self._by_steps(lambda left: left / diagonal, system, right, _SETTLED_WIDE, _MOST_STEPS_WIDE)
-        return self._last
+        diagonal, limits = system.diagonal(), (_SETTLED_WIDE, _MOST_STEPS_WIDE)
+        return self._by_steps(lambda left: left / diagonal, system, right, *limits)
 
     def _by_steps(
         self,

@@ -134,11 +134,7 @@ class DryStone(StructurePlanner):
         return _plan(targets, refused, len(usable))
 
     def _rounds(self) -> list[tuple[Generator, int]]:
-        """Return by whom, and how many a stone, places are proposed until one holds.
-
-        Too few candidates look like a full structure: as many a stone as there are checks, and then
-        the same of more turns.
-        """
+        """Return by whom, and how many a stone, places are proposed: too few look like no room."""
         kept, tries = self._settings.generator.kept, self._settings.check.tries
         rounds = [(self._generator, kept), (self._generator, tries)]
         return rounds if self._settings.generator.finer == 1 else [*rounds, (self._finer, tries)]

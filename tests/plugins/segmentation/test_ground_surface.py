@@ -141,3 +141,14 @@ def test_steps_without_factors_end_where_factors_do() -> None:
     exact = GridSolver().solved(system, right)
     steps = GridSolver(has_factors=False).solved(system, right)
     np.testing.assert_allclose(steps, exact, atol=1e-3 * np.abs(exact).max())
+
+
+def test_steps_that_do_not_settle_without_factors_give_way_to_factors(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(grid_solver, "_MOST_STEPS_WIDE", 2)
+    system, diagonal = _stiff((20, 30), 10.0)
+    system.data[diagonal] += 0.03
+    right = np.random.default_rng(0).normal(size=600)
+    found = GridSolver(has_factors=False).solved(system, right)
+    np.testing.assert_allclose(found, np.linalg.solve(system.toarray(), right), rtol=1e-9)
