@@ -10,7 +10,8 @@ from executive.arrays import Float
 
 _SETTLED = 1e-12  # error of a solution, in it, in the norm of the system: rounding
 _MOST_STEPS = 40  # as costly as factors of a site of 2,500 nodes; 9 to 12 settle
-_SETTLED_WIDE, _MOST_STEPS_WIDE = 1e-4, 200  # without factors: a tenth of a millimetre in a metre
+# Without factors: a tenth of a millimetre in a metre, and steps as costly as factors.
+_SETTLED_WIDE, _MOST_STEPS_WIDE = 1e-4, 1000
 
 
 class GridSolver:
