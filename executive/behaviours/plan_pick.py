@@ -9,7 +9,7 @@ from executive.arrays import Float
 from executive.config import Meters, Settings
 from executive.events.stone import AttemptStarted, GraspRecord
 from executive.geometry.pose import inverse
-from executive.geometry.rotation import angle_between
+from executive.geometry.rotation import angle_of_jaws
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
@@ -160,5 +160,5 @@ def _on_stone(grasp: Grasp, stone: Stone) -> Float:
 def _are_alike(T_a: Float, T_b: Float) -> bool:
     return (
         bool(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3]) < _ALIKE_M)
-        and angle_between(T_a[:3, :3], T_b[:3, :3]) < _ALIKE_RAD
+        and angle_of_jaws(T_a[:3, :3], T_b[:3, :3]) < _ALIKE_RAD
     )

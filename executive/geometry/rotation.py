@@ -102,6 +102,16 @@ def angle_between(R_a: Float, R_b: Float) -> float:
     return float(np.linalg.norm(log_so3(R_a.T @ R_b)))
 
 
+def angle_of_jaws(R_a: Float, R_b: Float) -> float:
+    """Return the angle [rad] between two orientations of a gripper with two jaws, in [0, π].
+
+    Half a turn about the approach, the x axis, is none, since it only exchanges the jaws.
+    """
+    D = R_a.T @ R_b
+    half_turned = D[0, 0] - D[1, 1] - D[2, 2]
+    return float(np.arccos(np.clip((max(np.trace(D), half_turned) - 1) / 2, -1.0, 1.0)))
+
+
 def yaw_of(R: Float) -> float:
     """Return the heading [rad]: the angle of the rotated x axis about z, from the x axis."""
     return float(np.arctan2(R[1, 0], R[0, 0]))

@@ -105,6 +105,12 @@ def test_the_second_attempt_is_unlike_the_first(leaf, fakes):
     assert again.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)
 
 
+def test_the_same_grasp_with_exchanged_jaws_is_no_other_attempt(leaf, fakes):
+    fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
+    again = fakes.finish(leaf, stone=1, grasps=[grasp(5.02, yaw=np.pi), grasp(5.3)])
+    assert again.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)
+
+
 def test_likeness_is_judged_on_the_stone_wherever_it_lies_now(leaf, fakes):
     fakes.finish(leaf, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     moved = pose(from_rpy(0, 0, 0.7), np.array([0.0, 1.0, 0.0]))

@@ -6,6 +6,7 @@ import pytest
 from executive.geometry.rotation import (
     about_axis,
     angle_between,
+    angle_of_jaws,
     exp_so3,
     from_quaternion,
     from_rpy,
@@ -108,3 +109,12 @@ def test_angle_between_is_a_metric_and_does_not_depend_on_the_frame() -> None:
 )
 def test_wrapped_angles_lie_above_minus_pi_up_to_pi(angle: float, wrapped: float) -> None:
     assert wrap_angle(angle) == pytest.approx(wrapped)
+
+
+def test_exchanged_jaws_are_no_turn_and_any_other_turn_is_its_angle() -> None:
+    R = from_rpy(0.3, -0.8, 2.0)
+    x, y = np.eye(3)[0], np.eye(3)[1]
+    assert angle_of_jaws(R, R @ about_axis(x, np.pi)) == pytest.approx(0.0, abs=1e-7)
+    assert angle_of_jaws(R, R @ about_axis(x, np.pi - 0.2)) == pytest.approx(0.2)
+    assert angle_of_jaws(R, R @ about_axis(x, 0.4)) == pytest.approx(0.4)
+    assert angle_of_jaws(R, R @ about_axis(y, 0.4)) == pytest.approx(0.4)

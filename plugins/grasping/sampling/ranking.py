@@ -7,6 +7,7 @@ from executive_plugins.grasping.sampling.closing import Holds
 from executive_plugins.grasping.sampling.jaw_field import JawField
 
 from executive.arrays import Float, Int
+from executive.geometry.rotation import angle_of_jaws
 
 Costs = Mapping[str, Float]
 # Grasps that are nearer to each other than both are one grasp to a planner that spreads its trials.
@@ -83,20 +84,13 @@ def spread(
     for i in order:
         is_new = all(
             float(np.linalg.norm(position[i] - position[j])) > shift_m
-            or _turn(R[i], R[j]) > turn_rad
+            or angle_of_jaws(R[i], R[j]) > turn_rad
             for j in first
         )
         (first if is_new else again).append(i)
         if is_new:
             yield i
     yield from again
-
-
-def _turn(R_a: Float, R_b: Float) -> float:
-    """Return the least angle between two orientations, up to a half turn about x [rad]."""
-    D = R_a.T @ R_b
-    flipped = D[0, 0] - D[1, 1] - D[2, 2]
-    return float(np.arccos(np.clip((max(np.trace(D), flipped) - 1) / 2, -1.0, 1.0)))
 
 
 def hold_costs(
