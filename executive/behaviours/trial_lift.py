@@ -98,4 +98,5 @@ class TrialLift(Action[TrialLiftSettings]):
                 f"{mass_kg:.0f} kg hang in the jaws, and it weighs at least {least:.0f} kg "
                 f"({source})"
             )
+        self.context.begin_carry()
         return succeeded(reason=f"it hangs {up_m:.2f} m up with {mass_kg:.0f} kg")

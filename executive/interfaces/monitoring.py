@@ -34,6 +34,12 @@ class Monitor(Plugin, ABC):
     def begin_hold(self) -> None:
         """Watch from now on: the jaws have closed on a stone."""
 
+    def begin_carry(self) -> None:
+        """The stone hangs: it was weighed off the ground, and does not settle in the jaws any more.
+        It may not be called at all.
+        """
+        return None
+
     @abstractmethod
     def end_hold(self) -> None:
         """Watch no more: the stone is to be released."""

@@ -112,6 +112,10 @@ class Context(ABC):
     def begin_hold(self) -> None:
         """Tell the monitors that the jaws hold a stone; earlier verdicts are dropped."""
 
+    def begin_carry(self) -> None:
+        """Tell the monitors that the held stone was weighed, and hangs free."""
+        return None
+
     @abstractmethod
     def end_hold(self) -> None:
         """Tell the monitors that the stone is about to be released on purpose."""

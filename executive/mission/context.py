@@ -134,6 +134,10 @@ class NodeContext(Context):
         for monitor in self._monitors():
             monitor.begin_hold()
 
+    def begin_carry(self) -> None:
+        for monitor in self._monitors():
+            monitor.begin_carry()
+
     def end_hold(self) -> None:
         for monitor in self._monitors():
             monitor.end_hold()

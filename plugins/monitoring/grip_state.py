@@ -10,11 +10,15 @@ from executive.arrays import Float
 
 _HALF = 0.5  # of the weight, or of the force: nearer to all of it than to nothing
 _NOTHING = 0.2  # share of the force below which the jaws bear on nothing
-_APART = 4.0  # slips; a stone that seats itself in a lift has forced jaws apart by less than two
+# Slips. A stone that seats itself in a lift has forced jaws apart by less than two; once it hangs,
+# nothing but a stone that slides or turns does.
+APART, _APART_HANGING = 4.0, 1.0
 _CREEP = 0.2  # share of the slip that counts as trouble, from which closing is creep
 # Share of the weight below which the arm presses on what is under it: an arm that has lost its load
 # swings about zero, by no more than that load, for its drives damp it.
 _PRESSED = -1.0
+# −2 ln of the probability that what has not sunk meets the ground: a level way over rising ground.
+_UNSUNK = -2 * float(np.log(1e-3))
 _SWITCH = 1e-3  # probability that a grip changes to another given state between two windows
 
 
@@ -59,6 +63,7 @@ class Signals:
         closed: Closing of the jaws as a share of what counts as slip.
         widened: Opening of the jaws as a share of the same.
         may_stand: Whether the ground may carry the stone.
+        has_settled: Whether the stone has settled in the jaws.
     """
 
     weight: Signal
@@ -66,6 +71,7 @@ class Signals:
     closed: Signal
     widened: Signal
     may_stand: bool
+    has_settled: bool = False
 
 
 class GripFilter:
@@ -99,24 +105,28 @@ def _chi2(s: Signals) -> dict[GripState, float]:
     hanging = s.weight.off(_PRESSED, inf)
     pressed = inf if s.weight.is_unknown else s.weight.off(-inf, _PRESSED)
     unmoved, narrow = s.closed.off(-inf, 1.0), s.closed.off(1.0, inf)
-    held, slid = s.closed.off(-inf, _APART), s.closed.off(_APART, inf)
-    together, apart = s.widened.off(-inf, _APART), s.widened.off(_APART, inf)
+    held, slid = s.closed.off(-inf, APART), s.closed.off(APART, inf)
+    widest = _APART_HANGING if s.has_settled else APART
+    together, apart = s.widened.off(-inf, widest), s.widened.off(widest, inf)
     pressing, bears = s.force.off(_HALF, inf) + together, s.force.off(_NOTHING, inf) + together
     weak = min(s.force.off(-inf, _HALF), apart)
     slack = min(s.force.off(-inf, _NOTHING), apart)
-    standing = 0.0
+    standing = 0.0 if s.may_stand else _UNSUNK
     if s.force.is_unknown:  # then the jaws' motion, and whether the stone may stand, have to tell
         weak = apart
         slack = min(narrow, apart) if s.may_stand else 0.0
         standing = 0.0 if s.may_stand else inf
     down = min(gone + bears + standing, pressed)
+    # Jaws press on for some tenths of a second on a stone that slides out of them: their force
+    # tells a fall from a stone that stands only where the gripper has sunk.
+    fallen = gone + (slack if s.may_stand else 0.0)
     return {
         GripState.FIRM: carried + pressing + s.closed.off(-inf, _CREEP),
         GripState.CREEPING: carried + pressing + s.closed.off(_CREEP, 1.0),
         GripState.SLIPPING: carried + bears + narrow,
         GripState.OPENING: carried + unmoved + weak,
         # A stone that has fallen pulls at nothing; what pushes the arm up is below the gripper.
-        GripState.LOST: inf if s.weight.is_unknown else hanging + min(gone, narrow) + slack,
+        GripState.LOST: inf if s.weight.is_unknown else hanging + min(fallen, narrow + slack),
         GripState.SLID_DOWN: slid + down,
         GripState.TOUCHING_GROUND: held + down,
     }

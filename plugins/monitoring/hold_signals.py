@@ -74,6 +74,11 @@ class HoldSignals:
         """Mass of the stone as weighed so far; None while nothing is carried."""
         return self._mass.weight
 
+    def begin_carry(self) -> None:
+        """Take the stone as settled in the jaws, and free of the ground, from now on."""
+        self._jaws.settle()
+        self._mass = CarriedMass()  # what tears a stone off the ground is no weight
+
     def add(self, sample: JointSample) -> HoldWindow | None:
         """Take one sample; return the window before it, if that is full."""
         if sample.stamp_s <= self._newest_s:
@@ -110,7 +115,12 @@ class HoldSignals:
             now_s, opening_m, self._opening_std_m / root * np.sqrt(2), is_moving
         )
         signals = Signals(
-            weight, self._pressing(window), closed, widened, self._may_stand(window, weight)
+            weight,
+            self._pressing(window),
+            closed,
+            widened,
+            self._may_stand(window, weight),
+            self._jaws.has_settled,
         )
         return HoldWindow(signals, mass_kg, opening_m, self._jaws.held_m)
 

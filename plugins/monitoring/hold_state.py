@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from executive_plugins.monitoring.grip_state import GripFilter, GripState
+from executive_plugins.monitoring.grip_state import APART, GripFilter, GripState
 from executive_plugins.monitoring.hold_signals import WINDOW_S, HoldSignals, HoldWindow
 from executive_plugins.monitoring.payload_scale import PayloadScale
 from executive_plugins.monitoring.settings import HoldStateSettings
@@ -70,6 +70,10 @@ class HoldState(Monitor):
         self._weight = None
         self._hold = _Hold(HoldSignals(self._settings, self._machine, self._scale))
 
+    def begin_carry(self) -> None:
+        if self._hold is not None:
+            self._hold.signals.begin_carry()
+
     def end_hold(self) -> None:
         self._hold = None
 
@@ -114,7 +118,7 @@ class HoldState(Monitor):
             return Trouble.EMPTY if self._weight is None else Trouble.DROP
         if state is GripState.LOST:
             return Trouble.DROP
-        is_apart = window.signals.widened.value > 1.0
+        is_apart = window.signals.widened.value > APART
         return Trouble.DROP if state is GripState.OPENING and is_apart else Trouble.SLIP
 
     def _evidence(self, hold: _Hold, window: HoldWindow, likely: Mapping[GripState, float]) -> str:

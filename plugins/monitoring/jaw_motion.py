@@ -22,12 +22,18 @@ class JawMotion:
         self._openings: deque[tuple[float, float]] = deque()
         self._first_m: float | None = None  # at the start, taken again once the stone has settled
         self._settled_s = np.inf  # time at which the stone will have settled in the lift
-        self._has_settled = False
+        self.has_settled = False
 
     @property
     def held_m(self) -> float:
         """Opening with which the newest one is compared [m]."""
         return self._first_m if self._first_m is not None else float("nan")
+
+    def settle(self) -> None:
+        """Compare with the next opening from now on: the stone does not settle any more."""
+        if not self.has_settled:
+            self.has_settled, self._first_m = True, None
+            self._openings.clear()
 
     def take(
         self, now_s: float, opening_m: float, std_m: float, is_moving: bool
@@ -36,9 +42,8 @@ class JawMotion:
         s = self._settings
         if is_moving and self._settled_s == np.inf:
             self._settled_s = now_s + s.lift_settle
-        if now_s >= self._settled_s and not self._has_settled:
-            self._has_settled, self._first_m = True, None
-            self._openings.clear()
+        if now_s >= self._settled_s:
+            self.settle()
         self._first_m = opening_m if self._first_m is None else self._first_m
         self._openings.append((now_s, opening_m))
         while now_s - self._openings[0][0] > s.window:
@@ -46,7 +51,7 @@ class JawMotion:
         since_start_m = self._first_m - opening_m
         least_m, most_m = (f(o for _, o in self._openings) for f in (min, max))
         widened = Signal((opening_m - least_m) / s.slip, std_m / s.slip)
-        if not self._has_settled:
+        if not self.has_settled:
             return Signal(since_start_m / s.lift_slip, std_m / s.lift_slip), widened
         by_window, by_creep = (most_m - opening_m) / s.slip, since_start_m / s.creep
         worse, limit_m = max((by_window, s.slip), (by_creep, s.creep))

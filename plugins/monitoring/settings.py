@@ -32,7 +32,8 @@ class HoldStateSettings(PluginSettings):
         3.0,
         ge=0,
         le=30,
-        description="Time in which the stone settles after the arm first moves [s].",
+        description="Time in which the stone settles after the arm first moves [s]; it ends "
+        "earlier once `TrialLift` has found that the stone hangs.",
     )
     lift_slip: Meters = Field(
         0.3, gt=0, le=1, description="Closing that counts as slip before the stone has settled [m]."

@@ -120,6 +120,9 @@ class FakeContext(Context):
     def begin_hold(self):
         self.holds.append("begin")
 
+    def begin_carry(self):
+        self.holds.append("carry")
+
     def end_hold(self):
         self.holds.append("end")
 

@@ -1,11 +1,14 @@
 """Measure how soon the monitor of a hold tells falls and slips, how often it is wrong, and how well
 it weighs.
 
-Stones of generated sites are gripped and carried by the simulated arm with its encoders, without
-lidars. Three in four holds get a fault in mid-carry, one after the other: the jaws lose their
-pressure, a valve opens them, the stone becomes slippery. The mission does not react, so that the
-simulator's truth says what came of each. A slip begins where the stone has moved by 3 cm in the
-jaws. Five seconds of processor time a hold; 400 holds give the bounds their meaning.
+Stones of generated sites are gripped, lifted for a trial and carried by the simulated arm with its
+encoders, without lidars. Three in four holds get a fault in mid-carry, one after the other: the
+jaws lose their pressure, a valve opens them, the stone becomes slippery. The mission does not
+react, so that the simulator's truth says what came of each. Faults count where the stone had not
+moved for a second and nothing was told before; a slip begins where it has moved by 3 cm in the jaws
+since. Stones that are lost without a fault, or before it, were badly gripped: the trial or the
+monitor has to tell them. Seven seconds of processor time a hold; 400 holds give the bounds their
+meaning.
 """
 
 import sys

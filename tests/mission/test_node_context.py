@@ -15,10 +15,13 @@ class Monitor:
 
     def __init__(self, weight=None, payload=None, standing=None):
         self._weight, self._payload, self._standing = weight, payload, standing
-        self.holds = 0
+        self.holds, self.carries = 0, 0
 
     def begin_hold(self):
         self.holds += 1
+
+    def begin_carry(self):
+        self.carries += 1
 
     def end_hold(self):
         self.holds -= 1
@@ -60,6 +63,8 @@ def test_every_monitor_is_told_of_a_hold_and_earlier_verdicts_are_forgotten():
     asked.begin_hold()
     assert [one.holds for one in monitors] == [1, 1]
     assert asked.verdicts() == ()
+    asked.begin_carry()
+    assert [one.carries for one in monitors] == [1, 1]
     verdicts.append("drop")
     asked.end_hold()
     assert [one.holds for one in monitors] == [0, 0]

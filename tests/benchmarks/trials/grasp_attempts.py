@@ -11,17 +11,21 @@ import json
 import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from executive_plugins.grasping.learning.training_scene import look_at
+from executive_plugins.monitoring.payload_scale import PayloadScale
 
 from executive.arrays import Float
+from executive.behaviours.trial_lift import TrialLiftSettings
 from executive.clock import wall_s
 from executive.errors import RobotError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis, angle_between, exp_so3
+from executive.leaf.weighing import least_kg
 from executive.messages.cloud import Cloud
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
 from executive.messages.joints import JointSample
@@ -61,6 +65,11 @@ class Site:
     watched: int | None = None
     heights_m: list[float] = field(default_factory=list)
     verdicts: list[Verdict] = field(default_factory=list)
+    masses_kg: list[float] = field(default_factory=list)  # in the jaws
+
+    @cached_property
+    def scale(self) -> PayloadScale:
+        return PayloadScale(self.machine)
 
     @property
     def world(self) -> Any:
@@ -78,6 +87,7 @@ class Site:
                     self.jaw_rad = sample.of(self.machine.jaw.name)[0]
                     told = [monitor.update(sample) for monitor in self.plugins["monitoring"]]
                     self.verdicts += [verdict for verdict in told if verdict is not None]
+                    self.masses_kg.append(self.scale.weigh(sample))
             if self.watched is not None:
                 self.heights_m.append(float(self.T(self.watched)[2, 3]))
 
@@ -85,6 +95,22 @@ class Site:
         self.watched, self.heights_m = i, [float(self.T(i)[2, 3])]
         for monitor in self.plugins["monitoring"]:
             monitor.begin_hold()
+
+    def lift_for_trial(self, stone: Stone, T_grasp: Float, others: list[int], held: Float) -> float:
+        """Lift the held stone by a little as `TrialLift` does; return the mass in the jaws [kg] as
+        a share of the least that a stone which hangs weighs. Monitors are told if it hangs.
+        """
+        trial = TrialLiftSettings()
+        up = pose(t=np.array([0.0, 0.0, trial.height]))
+        if not self.move(up @ T_grasp, trial.height, 0.0, others, held) or self.verdicts:
+            return np.nan
+        self.masses_kg = []
+        self.run(trial.wait)
+        share = float(np.mean(self.masses_kg)) / least_kg(stone, (), trial.borne)
+        if share >= 1.0:
+            for monitor in self.plugins["monitoring"]:
+                monitor.begin_carry()
+        return share
 
     def end_hold(self) -> list[Verdict]:
         """Return the verdicts of the monitors."""
@@ -182,29 +208,30 @@ def attempt(site: Site, i: int, tried: list[Float], rng: np.random.Generator) ->
         if site.move(grasp.T_map_gripper @ error, 0.5, 1.2, everything):
             tried.append(inverse(site.T(i)) @ grasp.T_map_gripper)
             costs = {name: round(cost, 3) for name, cost in grasp.costs.items()}
-            return (
-                row
-                | {"score": round(grasp.score, 3), "costs": costs}
-                | carry(site, i, stone.points_map)
-            )
+            return row | {"score": round(grasp.score, 3), "costs": costs} | carry(site, i, stone)
     return row | {"outcome": "no way", "reason": f"to none of {len(plan.grasps)}"}
 
 
-def carry(site: Site, i: int, known_map: Float) -> dict[str, Any]:
-    """Close, lift, turn by 90°, set down, let go, and compare with where the stone truly is."""
+def carry(site: Site, i: int, stone: Stone) -> dict[str, Any]:
+    """Close, lift for a trial, turn by 90°, set down, let go, and compare with where the stone
+    truly is. A stone that the trial does not lift is put back.
+    """
     site.jaws(0.0)
     if site.jaw_rad < EMPTY_RAD:
         return {"outcome": "nothing held", "reason": f"jaws at {site.jaw_rad:.2f} rad"}
     T_grasp, jaw_rad = site.gripper(), site.jaw_rad
     site.begin_hold(i)
     others = [j for j in range(len(site.world.site.stones)) if j != i]
-    held = transform(inverse(T_grasp), known_map)
-    T_place = next(
-        (T for T in places(site, i, T_grasp) if site.move(T, 1.0, 1.0, others, held)), None
-    )
+    held = transform(inverse(T_grasp), stone.points_map)
+    share = site.lift_for_trial(stone, T_grasp, others, held)
+    is_borne = not share < 1.0
+    ways = places(site, i, T_grasp) if is_borne else iter(())
+    T_place = next((T for T in ways if site.move(T, 1.0, 1.0, others, held)), None)
     told = site.end_hold()
     rise_m = max(site.heights_m) - site.heights_m[0]
-    if told:
+    if not is_borne:
+        site.move(T_grasp, 0.0, 0.2, others)
+    elif told:
         site.plugins["robot"].stop()
         site.run(1.5)
         if has_arrived(site.gripper(), T_place, told[0]):
@@ -219,9 +246,10 @@ def carry(site: Site, i: int, known_map: Float) -> dict[str, Any]:
         np.linalg.norm((released - site.T(i))[:2, 3]),
     )
     good = T_place is not None and not told
+    trouble = told[0].trouble.value if told else "no place" if is_borne else "not lifted"
     return {
-        "outcome": "placed" if good else told[0].trouble.value if told else "no place",
-        "reason": told[0].detail if told else "",
+        "outcome": "placed" if good else trouble,
+        "reason": told[0].detail if told else "" if is_borne else f"{share:.0%} of the least",
         "lifted": bool(rise_m > LEAST_LIFT_M),
         "dropped": bool(fallen_m > FALL_M or astray_m > ASTRAY_M),
         "rise_m": round(float(rise_m), 2),

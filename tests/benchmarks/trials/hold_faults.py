@@ -27,6 +27,7 @@ FAULTS = ("pressure", "none", "open", "wet")
 WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsional [m]
 EARLIEST_S, LATEST_S = 3.0, 10.0  # after the grasp; a carry takes 13 s
 MOVED_M, LOST_M = 0.03, 0.3
+FIRM_S = 1.0  # before a fault, in which the stone is not to move
 IN_TIME_S = 0.5
 CLEAR_M = 0.2  # above the lowest place of the stone in a hold: the ground is some cm uneven
 STANDS = IsHangingSettings().probability
@@ -45,11 +46,17 @@ class Hold:
     standing: list[float] = field(default_factory=list)  # probability that the ground carries it
     told: list[Verdict] = field(default_factory=list)
     weight: Weight | None = None
+    carried_s: float = np.nan  # when the trial lift had found that it hangs
 
     @property
-    def moved_m(self) -> Float:
-        """How far the stone has moved in the jaws."""
-        return np.asarray(np.linalg.norm(np.array(self.centres_m) - self.centres_m[0], axis=1))
+    def is_carried(self) -> bool:
+        return not np.isnan(self.carried_s)
+
+    def moved_m(self, since_s: float = -np.inf) -> Float:
+        """Return how far the stone has moved in the jaws since a time, or the begin of the hold."""
+        i = min(int(np.searchsorted(self.stamps_s, since_s)), len(self.stamps_s) - 1)
+        moved: Float = np.linalg.norm(np.array(self.centres_m) - self.centres_m[i], axis=1)
+        return np.where(np.arange(len(moved)) < i, 0.0, moved)
 
     @property
     def stands_in_air(self) -> bool:
@@ -60,11 +67,28 @@ class Hold:
 
     @property
     def is_lost(self) -> bool:
-        return bool(self.moved_m.max() > LOST_M)
+        return bool(self.moved_m().max() > LOST_M)
+
+    @property
+    def is_firm_at_fault(self) -> bool:
+        """Whether the stone was carried, nothing was told and it did not move when a fault came."""
+        if self.fault == "none" or np.isnan(self.fault_s) or not self.is_carried:
+            return False
+        before_m = self.slid_m(self.fault_s - FIRM_S, self.fault_s)
+        return before_m < MOVED_M and self.late_s(self.fault_s) >= 0.0
+
+    def slid_m(self, since_s: float, until_s: float) -> float:
+        """Return how far the stone moved in the jaws from one time to another, at most."""
+        i = int(np.searchsorted(self.stamps_s, until_s))
+        return float(self.moved_m(since_s)[: i + 1].max())
 
     def late_s(self, since_s: float) -> float:
-        """Return the time to the first verdict; infinite if there was none, or one before."""
+        """Return the time to the first verdict; infinite if there was none."""
         return self.told[0].stamp_s - since_s if self.told else np.inf
+
+    def late_after_m(self, way_m: float, since_s: float = -np.inf) -> float:
+        """Return the time from when the stone had moved by some way to the first verdict."""
+        return self.late_s(self.stamps_s[int(np.argmax(self.moved_m(since_s) > way_m))])
 
 
 class Watched(Monitor):
@@ -78,6 +102,11 @@ class Watched(Monitor):
     def begin_hold(self) -> None:
         self._monitor.begin_hold()
         self._begun_s = self._site.now_s
+
+    def begin_carry(self) -> None:
+        self._monitor.begin_carry()
+        if self.hold is not None:
+            self.hold.carried_s = self._site.now_s
 
     def end_hold(self) -> None:
         self._monitor.end_hold()
@@ -148,23 +177,25 @@ def _as_shipped() -> HoldStateSettings:
 def measured(sites: Iterable[int]) -> list[Figure]:
     """Carry the stones of some sites, and hold the verdicts against the truth."""
     holds = [hold for number in sites for hold in holds_of(number)]
-    forced = [h for h in holds if h.fault in ("pressure", "open") and not np.isnan(h.fault_s)]
-    # A stone that is lost before its fault, or without one, was badly gripped.
-    late_s = [h.late_s(h.fault_s) for h in forced if h.moved_m[_at(h, h.fault_s)] < MOVED_M]
-    slid = [h for h in holds if h.fault == "wet" and h.is_lost]
-    slid_s = [h.late_s(h.stamps_s[int(np.argmax(h.moved_m > MOVED_M))]) for h in slid]
-    kept = [h for h in holds if h.fault == "none" and not h.is_lost]
-    wrong = [h for h in kept if h.told]
+    firm = [h for h in holds if h.is_firm_at_fault]
+    late_s = [h.late_s(h.fault_s) for h in firm if h.fault in ("pressure", "open")]
+    slid = [h for h in firm if h.fault == "wet" and h.is_lost]
+    slid_s = [h.late_after_m(MOVED_M, h.fault_s) for h in slid]
+    slipped = [h for h in holds if h.is_lost and not h.is_firm_at_fault]
+    unseen = [h for h in slipped if h.is_carried and h.late_after_m(LOST_M) > IN_TIME_S]
+    kept = [h for h in holds if h.fault == "none" and h.is_carried and not h.is_lost]
+    # A stone that slips and stays, as at once after the trial, is told rightly.
+    wrong = [h for h in kept if h.told and h.slid_m(h.carried_s, h.told[0].stamp_s) < MOVED_M]
     grounded = [h for h in kept if h.stands_in_air]
     doubled = [h for h in holds if [v.trouble for v in h.told].count(Trouble.DROP) > 1]
-    off = [
-        abs(h.weight.mass_kg / h.mass_kg - 1)
-        for h in holds
-        if h.weight and (h.fault != "wet" or not h.told) and h.stamps_s[-1] - h.stamps_s[0] > 5.0
-    ]
+    off = [100 * abs(h.weight.mass_kg / h.mass_kg - 1) for h in (*firm, *kept) if h.weight]
     return [
         *_told("pressure lost or jaws opened", late_s),
         *_told("wet stone lost", slid_s),
+        held(
+            "badly gripped stones lost that neither the trial nor the monitor tells",
+            len(unseen), Bound(0.0), f"{len(unseen)} of {len(slipped)}",
+        ),
         held(
             "false verdicts in 300 holds", 300 * len(wrong) / max(len(kept), 1), Bound(1.0),
             f"{len(wrong)} of {len(kept)}",
@@ -174,12 +205,8 @@ def measured(sites: Iterable[int]) -> list[Figure]:
             f"{len(grounded)} of {len(kept)}",
         ),
         held("falls told twice", len(doubled), Bound(0.0), f"{len(doubled)} of {len(holds)}"),
-        held("mass error, p95 [%]", float(np.percentile(off, 95)) * 100, Bound(8.0, 4.0)),
+        held("mass error of firm holds, p95 [%]", float(np.percentile(off, 95)), Bound(8.0, 4.0)),
     ]  # fmt: skip
-
-
-def _at(hold: Hold, time_s: float) -> int:
-    return int(np.searchsorted(hold.stamps_s, time_s))
 
 
 def _told(what: str, late_s: list[float]) -> Iterator[Figure]:

@@ -70,11 +70,21 @@ class Carry:
 def watch(machine: Machine, scale: PayloadScale):
     """Return a function from a carry to the verdicts on it, and the monitor."""
 
-    def watched(carry: Carry, seed: int = 0, kind: type[HoldState] = HoldState):
+    def watched(
+        carry: Carry,
+        seed: int = 0,
+        kind: type[HoldState] = HoldState,
+        carried_s: float = np.inf,
+    ):
         monitor = kind(kind.Settings(), machine)
         monitor.start()
         monitor.begin_hold()
-        told = [monitor.update(one) for one in carry.samples(machine, scale, seed)]
+        told = []
+        for one in carry.samples(machine, scale, seed):
+            if one.stamp_s > carried_s:
+                monitor.begin_carry()
+                carried_s = np.inf
+            told.append(monitor.update(one))
         return [verdict for verdict in told if verdict is not None], monitor
 
     return watched
@@ -249,6 +259,42 @@ def test_says_nothing_while_a_lifted_stone_settles_by_a_quarter_of_a_metre(watch
     carry = Carry()
     carry.jaw -= 0.12 * carry.after(1.5, 0.6)
     assert watch(carry)[0] == []
+
+
+@pytest.mark.parametrize("closes", [1, -1])
+def test_tells_jaws_that_move_after_the_trial_within_half_a_second(watch, closes: int) -> None:
+    """Before it, a stone may settle; once it hangs, it does not, and what follows is a slip."""
+    carry = Carry()
+    carry.jaw -= closes * 0.02 * carry.after(3.0, 0.2)
+    assert watch(carry)[0] == []
+    verdict = only(watch(carry, carried_s=2.7)[0])
+    assert verdict.trouble is Trouble.SLIP
+    assert 3.0 < verdict.stamp_s <= 3.5
+
+
+def test_tells_a_fall_while_the_jaws_still_press(watch) -> None:
+    """A stone that slides out of wet jaws takes some tenths of a second to leave them."""
+    carry = Carry()
+    carry.weight *= 1 - carry.after(FAULT_S, 0.1)
+    carry.force *= 1 - carry.after(FAULT_S + 1.0, 0.1)
+    verdict = only(watch(carry)[0])
+    assert verdict.trouble is Trouble.DROP
+    assert FAULT_S < verdict.stamp_s <= FAULT_S + 0.5
+
+
+def test_what_tears_a_stone_off_the_ground_is_no_weight(watch) -> None:
+    carry = Carry(3.8)
+    carry.boom[:] = 0.0
+    carry.weight[carry.t < 3.0] *= 1.4
+    assert watch(carry)[1].weight().mass_kg > 1.2 * MASS_KG
+    assert watch(carry, carried_s=3.1)[1].weight().mass_kg == pytest.approx(MASS_KG, rel=0.03)
+
+
+def test_a_carry_without_a_hold_is_none(machine: Machine) -> None:
+    monitor = HoldState(HoldStateSettings(), machine)
+    monitor.start()
+    monitor.begin_carry()
+    assert monitor.weight() is None
 
 
 def test_says_nothing_about_creep_of_a_millimetre_a_second(watch, machine: Machine) -> None:

@@ -46,6 +46,18 @@ def test_an_arm_that_has_not_moved_settles_no_stone() -> None:
     assert (motion.held_m, closed.value, widened.value) == (HELD_M - 0.2, 0.0, 0.0)
 
 
+def test_a_stone_that_was_found_to_hang_has_settled() -> None:
+    motion = JawMotion(SETTINGS)
+    motion.take(0.0, HELD_M, 0.004, is_moving=True)
+    motion.settle()
+    closed, widened = motion.take(0.2, HELD_M - 0.2, 0.004, is_moving=True)
+    assert (motion.held_m, closed.value, widened.value) == (HELD_M - 0.2, 0.0, 0.0)
+    closed, _ = motion.take(0.3, HELD_M - 0.21, 0.004, is_moving=True)
+    assert closed.value == pytest.approx(0.01 / 0.02)
+    motion.settle()  # a second time changes nothing
+    assert motion.held_m == HELD_M - 0.2
+
+
 def test_quick_closing_is_a_share_of_the_slip_and_is_forgotten_after_the_window() -> None:
     motion = settled()
     closed, _ = motion.take(2.0, HELD_M - 0.01, 0.001, is_moving=True)
