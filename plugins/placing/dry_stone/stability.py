@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from executive_plugins.physics.equilibrium import least_load
-from executive_plugins.physics.stone_world import WorldRules
 from executive_plugins.physics.trial import Bounds, Outcome, Trial, apart, rest_of
+from executive_plugins.placing.dry_stone.fixed_neighbours import FixedNeighbours, rules_of
 from executive_plugins.placing.dry_stone.other_shapes import OtherShapes
 from executive_plugins.placing.dry_stone.parts import Place, Stability
 from executive_plugins.placing.dry_stone.releases import releases
@@ -19,6 +19,8 @@ from executive.messages.solid_stone import SolidStone
 _DIRECTIONS = 8  # of the horizontal load
 _FAR_M, _FAR_RAD = 0.25, 0.45  # a stone that settles farther from its place is somewhere else
 _RELEASE_M = 0.02
+_CELL_M = 1.0  # of places that share a world: about a stone, so that it holds few others
+_TURNS = 2**32  # seeds of the releases at one place
 _TOUCH_M = 0.05  # boxes of two stones that may touch are at most so far apart
 
 
@@ -44,17 +46,19 @@ class TrialsOfStructure:
     once, and a world is built once for all releases at a place.
     """
 
-    def __init__(self, rules: WorldRules) -> None:
-        self._rules = rules
+    def __init__(self, settings: CheckSettings) -> None:
+        self._settings = settings
+        self._rules = rules_of(settings)
         self._built: AsBuilt | None = None
         self._rest: Sequence[Float] = ()
         self._boxes: Float = np.zeros((0, 2, 2))
         self._trials: dict[tuple[SolidStone, bytes], Trial] = {}
-        self._still: dict[tuple[SolidStone, bytes], Trial] = {}
+        self._still: dict[tuple[SolidStone, bytes], FixedNeighbours] = {}
 
     def of(self, built: AsBuilt, place: Place) -> Trial:
         """Return the trial of a stone at a place of a structure."""
-        is_near = self._reached(built, place)
+        self._begin(built)
+        is_near = self._near(StandingStone(place.stone, place.T_map_stone), _FAR_M)
         is_there = is_near | _within(self._boxes[is_near], self._boxes, _TOUCH_M)
         key = place.stone, np.stack([is_near, is_there]).tobytes()
         if key not in self._trials:
@@ -64,42 +68,32 @@ class TrialsOfStructure:
             self._trials[key] = Trial(part, place.stone, self._rules, rest, fixed)
         return self._trials[key]
 
-    def among_fixed(self, built: AsBuilt, place: Place) -> Trial | None:
-        """Return the same trial with stones that hold still; None if none is near.
+    def among_fixed(self, built: AsBuilt, place: Place) -> FixedNeighbours:
+        """Return the stone among stones that hold still, in both models of their shapes.
 
-        It takes a tenth of the time of one in which they move.
+        A release takes a tenth of the time of one in which they move. One world serves all places
+        of a cell of the ground: it holds what the stone can reach from anywhere in the cell.
         """
-        is_near = self._reached(built, place)
-        key = place.stone, is_near.tobytes()
-        if not is_near.any():
-            return None
+        self._begin(built)
+        cell = np.rint(place.T_map_stone[:2, 3] / _CELL_M)
+        key = place.stone, cell.tobytes()
         if key not in self._still:
-            near = np.flatnonzero(is_near).tolist()
+            span_m = float(np.linalg.norm(place.stone.vertices, axis=1).max())
+            reach_m = span_m + _CELL_M / 2 + _FAR_M + self._settings.worst + _TOUCH_M
+            box = np.stack([cell * _CELL_M - reach_m, cell * _CELL_M + reach_m])
+            near = np.flatnonzero(_within(box[None], self._boxes, 0.0)).tolist()
             part = built.with_standing(*(built.standing[n] for n in near))
             rest = [self._rest[n] for n in near]
-            self._still[key] = Trial(part, place.stone, self._rules, rest, [True] * len(near))
+            self._still[key] = FixedNeighbours(part, rest, place.stone, self._settings)
         return self._still[key]
 
-    def _reached(self, built: AsBuilt, place: Place) -> Bool:
-        """Return which stones the new one can reach before it counts as somewhere else."""
+    def _begin(self, built: AsBuilt) -> None:
+        """Find where a structure rests, unless it is the one that was asked for last."""
         if built is not self._built:
             self._built, self._rest = built, rest_of(built, self._rules)
             self._boxes = _boxes(built, self._rest)
             self._trials.clear()
             self._still.clear()
-        return self._near(StandingStone(place.stone, place.T_map_stone), _FAR_M)
-
-    def in_other_shapes(
-        self, built: AsBuilt, stone: SolidStone, settled: Outcome, settings: CheckSettings
-    ) -> OtherShapes:
-        """Return a settled stone and those that it may touch under noise, in their second shapes.
-
-        `of` comes first: it finds where the structure rests.
-        """
-        place = StandingStone(stone, settled.T_map_settled)
-        near = np.flatnonzero(self._near(place, settings.worst + _TOUCH_M)).tolist()
-        part = built.with_standing(*(built.standing[n] for n in near))
-        return OtherShapes(part, [self._rest[n] for n in near], stone, settings)
 
     def _near(self, one: StandingStone, distance_m: float) -> Bool:
         return _within(_box(one)[None], self._boxes, distance_m)
@@ -136,16 +130,18 @@ class Checks:
 
     def __init__(self, settings: CheckSettings) -> None:
         self._settings = settings
-        s = settings
-        self._trials = TrialsOfStructure(WorldRules(s.step_s, s.friction, s.pieces))
+        self._trials = TrialsOfStructure(settings)
 
     def check(
         self, place: Place, built: AsBuilt, rng: np.random.Generator, may_go_on: MayGoOn
     ) -> Stability:
         """Return where the stone comes to rest, or why it does not hold."""
-        refusal = self._refusal_among_fixed(place, built) if self._has_settling else ""
-        if refusal:
-            return Stability(refusal, place.T_map_stone, 0.0, 0.0, {})
+        neighbours, turn = None, int(rng.integers(_TURNS))
+        if self._has_settling:
+            neighbours = self._trials.among_fixed(built, place)
+            found = self._among_fixed(neighbours, place, turn, may_go_on)
+            if found.refusal:
+                return found
         trial = self._trials.of(built, place)
         nominal = trial.release(
             place.T_map_stone, _RELEASE_M, Bounds(place.T_map_stone, _FAR_M, _FAR_RAD)
@@ -157,33 +153,38 @@ class Checks:
             terms["bears_load"] = load if load is not None else 0.0
             if load is None or load < self._settings.load:
                 refusal = "bears_no_load"
-        if refusal or not self._has_settling:
+        if refusal or neighbours is None:
             return Stability(refusal, nominal.T_map_settled, *self._apart(nominal), terms)
-        others = self._trials.in_other_shapes(built, place.stone, nominal, self._settings)
-        return self._under_noise((trial, others), nominal.T_map_settled, rng, may_go_on, terms)
+        worlds = trial, neighbours.others
+        return self._under_noise(worlds, nominal.T_map_settled, turn, may_go_on, terms)
 
-    def _refusal_among_fixed(self, place: Place, built: AsBuilt) -> str:
-        """Return why a stone does not even hold among stones that hold still; empty if it does."""
-        trial = self._trials.among_fixed(built, place)
-        if trial is None:
-            return ""
-        bounds = Bounds(place.T_map_stone, _FAR_M, _FAR_RAD)
-        found = trial.release(place.T_map_stone, _RELEASE_M, bounds)
-        refusal = self._refusal(found, place.T_map_stone, _FAR_M, _FAR_RAD)
+    def _among_fixed(
+        self, neighbours: FixedNeighbours, place: Place, turn: int, may_go_on: MayGoOn
+    ) -> Stability:
+        """Return why a stone does not even hold among stones that hold still, under noise too.
+
+        The releases are those that come later among free stones.
+        """
+        T = place.T_map_stone
+        if neighbours.is_alone:
+            return Stability("", T, 0.0, 0.0, {})
+        found = neighbours.trial.release(T, _RELEASE_M, Bounds(T, _FAR_M, _FAR_RAD))
+        refusal = self._refusal(found, T, _FAR_M, _FAR_RAD)
         if refusal:
-            return refusal
-        others = self._trials.in_other_shapes(built, place.stone, found, self._settings)
-        return "reseats" if others.moves(found.T_map_settled) > self._settings.reseated else ""
+            return Stability(refusal, T, 0.0, 0.0, {})
+        worlds = neighbours.trial, neighbours.others
+        return self._under_noise(worlds, found.T_map_settled, turn, may_go_on, {})
 
     def _under_noise(
         self,
         worlds: tuple[Trial, OtherShapes],
         T: Float,
-        rng: np.random.Generator,
+        turn: int,
         may_go_on: MayGoOn,
         terms: dict[str, float],
     ) -> Stability:
         s, (trial, others), worst_m, worst_rad = self._settings, worlds, 0.0, 0.0
+        rng = np.random.default_rng(turn)
         terms["reseats_m"] = others.moves(T)
         refusal = "reseats" if terms["reseats_m"] > s.reseated else ""
         # The stone is let go where it is expected to rest: from there noise leads least far.

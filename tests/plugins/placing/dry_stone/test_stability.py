@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from executive_plugins.physics.stone_world import WorldRules
 from executive_plugins.placing.dry_stone import stability
 from executive_plugins.placing.dry_stone.parts import Place
 from executive_plugins.placing.dry_stone.settings import CheckSettings
@@ -53,7 +52,7 @@ def row_of_boxes(count: int):
 
 def test_only_stones_within_reach_move_and_far_ones_are_left_out() -> None:
     # Above the first box and beside the second; the third is what the second may lean on.
-    model = TrialsOfStructure(WorldRules(pieces=1)).of(row_of_boxes(5), HOLDS).world.model
+    model = TrialsOfStructure(SETTINGS).of(row_of_boxes(5), HOLDS).world.model
     bodies = [model.body(number) for number in range(1, model.nbody)]
     assert [len(body.dofadr) > 0 and body.dofadr[0] >= 0 for body in bodies] == [
         True, True, False, True,  # the row's first two; the third, which holds still; the stone
@@ -90,7 +89,39 @@ def test_a_place_that_does_not_hold_among_fixed_stones_is_not_tried_among_free_o
     assert bool(tried) == (not refusal)
 
 
+def test_a_place_that_noise_takes_away_is_not_tried_among_free_stones(monkeypatch) -> None:
+    """At the edge of the course a stone rests where it is let go, and falls from farther out."""
+    place = Place(box("next", 0.6, 0.6, 0.3), pose(t=np.array([0.5, 0.3, 0.56])), 0.0, {})
+    tried, of = [], TrialsOfStructure.of
+    monkeypatch.setattr(TrialsOfStructure, "of", lambda *given: tried.append(given) or of(*given))
+    refusals = []
+    for noise in (0.0, 0.06):
+        settings = CheckSettings(pieces=1, samples=8, noise=noise, tilt_noise=0.0)
+        check = Checks(settings)
+        refusals.append(found_at(check, place, first_course()).refusal)
+    assert refusals[0] == ""
+    assert refusals[1].endswith("_under_noise")
+    assert len(tried) == 1  # without noise
+
+
+def test_places_of_one_cell_share_their_worlds_and_others_do_not() -> None:
+    trials, built = TrialsOfStructure(SETTINGS), row_of_boxes(5)
+    here, beside, far = (
+        trials.among_fixed(built, Place(STONE, pose(t=np.array([x, 0.0, 0.56])), 0.0, {}))
+        for x in (0.0, 0.3, 3.0)
+    )
+    assert here is beside
+    assert far is not here
+    assert trials.among_fixed(row_of_boxes(5), HOLDS) is not here  # another structure
+
+
+def test_a_world_of_a_cell_holds_what_a_stone_can_reach_from_its_edge() -> None:
+    place = Place(STONE, pose(t=np.array([0.49, 0.0, 0.56])), 0.0, {})
+    trial = TrialsOfStructure(SETTINGS).among_fixed(row_of_boxes(9), place).trial
+    # Of the boxes at 0, 0.94, 1.88, 2.82 m and so on: 0.5 + 0.56 + 0.25 m and what noise adds.
+    assert trial.world.model.nbody == 1 + 3 + 1
+
+
 def test_without_a_neighbour_nothing_is_fixed() -> None:
-    trials = TrialsOfStructure(WorldRules())
-    place = Place(box("next", 0.6, 0.6, 0.3), pose(t=np.array([5.0, 0.0, 0.2])), 0.0, {})
-    assert trials.among_fixed(first_course(), place) is None
+    place = Place(box("next", 0.6, 0.6, 0.3), pose(t=np.array([6.0, 0.0, 0.2])), 0.0, {})
+    assert TrialsOfStructure(SETTINGS).among_fixed(first_course(), place).is_alone
