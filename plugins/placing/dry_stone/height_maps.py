@@ -44,7 +44,10 @@ class HeightMaps:
         rng: np.random.Generator,
         may_go_on: MayGoOn,
     ) -> Iterator[Sequence[Places]]:
-        """Yield the places of each stone within the envelope and supported below its centre."""
+        """Yield the places of each stone within the envelope, supported where it first touches.
+
+        Without `supported`, those that may only be when it has tilted, too.
+        """
         wall = self._top_of(built)
         heading = built.structure.heading_rad(built.structure.length_m / 2)
         rules = self._rules(built, inventory)
@@ -70,7 +73,8 @@ class HeightMaps:
         self, stone: SolidStone, R: Float, wall: WallTop, rules: DropRules
     ) -> Places:
         raster = raster_of(stone.vertices, stone.triangles, R, self._settings.cell)
-        return self._fitting(stone, raster, *drops(wall, raster, rules), wall, rules)
+        least_m = 0.0 if self._settings.supported or not self._settings.tilts else -np.inf
+        return self._fitting(stone, raster, *drops(wall, raster, rules), wall, rules, least_m)
 
     def at_rest(
         self, place: Place, built: AsBuilt, inventory: Sequence[SolidStone]
@@ -86,7 +90,7 @@ class HeightMaps:
             return None
         rules, nodes = self._rules(built, inventory), node[None]
         found = measured_at(nodes, wall, raster, rules)
-        fitting = self._fitting(place.stone, raster, nodes, found, wall, rules)
+        fitting = self._fitting(place.stone, raster, nodes, found, wall, rules, 0.0)
         return fitting if len(fitting.origins_map) else None
 
     def _top_of(self, built: AsBuilt) -> WallTop:
@@ -110,12 +114,13 @@ class HeightMaps:
         found: Float,
         wall: WallTop,
         rules: DropRules,
+        least_margin_m: float,
     ) -> Places:
         """Return the places of one orientation that are in the envelope and supported."""
         fits = (
             (found[:, measured.OUTSIDE] <= rules.most_outside)
             & (found[:, measured.TOP] <= rules.highest_m)
-            & (found[:, measured.MARGIN] > 0)
+            & (found[:, measured.MARGIN] > least_margin_m)
             & (found[:, measured.RISE] <= rules.most_rise_m)
         )
         xy = (nodes[fits] + wall.corner) * wall.cell_m

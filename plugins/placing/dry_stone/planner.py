@@ -46,6 +46,7 @@ _CHECKS: Mapping[str, Any] = {
 }
 _DOWN = np.array([0.0, 0.0, -1.0])
 _APART_M = 0.25  # of two places of one stone that are worth a check each
+_ARM_M = 0.5  # half a stone: a turn moves its ends by its angle times this
 
 
 @dataclass(slots=True)
@@ -97,7 +98,8 @@ class DryStone(StructurePlanner):
         s = self._settings = settings
         parts = s.generator, s.scorer, s.check
         self._generator: Generator = part_of(parts[0].part, "generator", _GENERATORS, parts[0])
-        finer = parts[0].model_copy(update={"turns": parts[0].turns * parts[0].finer})
+        more = {"turns": parts[0].turns * parts[0].finer, "supported": False}
+        finer = parts[0].model_copy(update=more)
         self._finer: Generator = part_of(parts[0].part, "generator", _GENERATORS, finer)
         self._scorer: Scorer = part_of(parts[1].part, "scorer", _SCORERS, parts[1])
         self._check: StabilityCheck = part_of(parts[2].part, "check", _CHECKS, parts[2])
@@ -214,7 +216,7 @@ class DryStone(StructurePlanner):
     def _at_rest(self, ranked: Sequence[Place], search: "_Search") -> list[Place]:
         """Return the best places anew, each in the tilt in which its stone comes to rest there."""
         s, generator = self._settings.generator, search.generator
-        if s.attitude == "kept" or not s.rested or not isinstance(generator, TiltsToRest):
+        if not s.tilts or not isinstance(generator, TiltsToRest):
             return list(ranked)
         found: list[Place] = []
         for place in [one for one in ranked if _key(one) not in search.rested][: s.rested]:
@@ -237,10 +239,12 @@ class DryStone(StructurePlanner):
         first = [np.argsort(-total, kind="stable")[: 4 * kept] for total in totals]
         score = np.concatenate([total[n] for total, n in zip(totals, first, strict=True)])
         at = np.vstack([one.origins_map[n] for one, n in zip(found, first, strict=True)])
+        turned = [np.tile(one.R.ravel(), (len(n), 1)) for one, n in zip(found, first, strict=True)]
+        points = np.hstack([at, _ARM_M / np.sqrt(2) * np.vstack(turned)])
         rows = [(number, int(n)) for number, chosen in enumerate(first) for n in chosen]
         order = np.argsort(-score, kind="stable")
         best: list[Place] = []
-        for row in order[spread(np.ascontiguousarray(at[order], np.float64), kept, _APART_M)]:
+        for row in order[spread(np.ascontiguousarray(points[order], np.float64), kept, _APART_M)]:
             number, n = rows[row]
             values = {name: float(term[n]) for name, term in terms[number].items()}
             T = pose(found[number].R, at[row])

@@ -55,6 +55,10 @@ class GeneratorSettings(Settings):
     finer: int = Field(3, ge=1, le=10, description=(
         "How many times as many turns are tried before nothing is said to fit; 1 tries no more."
     ))  # fmt: skip
+    supported: bool = Field(True, description=(
+        "Whether a stone's centre of mass must be over what it first touches. Without this it must "
+        "be where the stone has tilted to rest; that is tried, too, before nothing is said to fit."
+    ))  # fmt: skip
     touch: Meters = Field(0.03, gt=0, le=0.2, description="Gap that counts as touching [m].")
     most_outside: float = Field(
         0.12, ge=0, le=1, description="Largest share of the stone, from above, off the envelope."
@@ -70,10 +74,15 @@ class GeneratorSettings(Settings):
         "the stones at hand, so that tops lie about the height that is wanted."))  # fmt: skip
     stones: int = Field(20, ge=1, description="Stones of the inventory that are tried at a time.")
     kept: int = Field(5, ge=1, description="Places of each stone that are kept.")
-    rested: int = Field(48, ge=0, description=(
+    rested: int = Field(200, ge=0, description=(
         "Best places of each lot at which the stone tilts to rest on the height map before it is "
         "ranked again and checked; 0 checks it as it first touches. `kept` attitudes do not tilt."
     ))  # fmt: skip
+
+    @property
+    def tilts(self) -> bool:
+        """Return whether stones tilt to rest on the height map before they are checked."""
+        return self.attitude == "any" and self.rested > 0
 
 
 class ScorerSettings(Settings):
@@ -108,7 +117,7 @@ class CheckSettings(Settings):
         "settled must stay; 0 leaves this out."))  # fmt: skip
     reseated: Meters = Field(0.01, gt=0, le=0.5, description=(
         "Largest distance by which it may move there [m]: what a wall may drift."))  # fmt: skip
-    tries: int = Field(24, ge=1, description="Places of each lot of stones that are checked.")
+    tries: int = Field(100, ge=1, description="Places of each lot of stones that are checked.")
 
 
 class DryStoneSettings(PluginSettings):

@@ -13,7 +13,7 @@ def spread(points: Float, most: int, apart_m: float) -> Int:
     """Return the numbers of the first points, each of which is apart from those before it.
 
     Args:
-        points: In order of preference, shape (N, 3) [m].
+        points: In order of preference, shape (N, D) [m].
         most: Number of points that is enough.
         apart_m: Distance that is apart [m].
     """
@@ -24,7 +24,7 @@ def spread(points: Float, most: int, apart_m: float) -> Int:
         is_far = True
         for k in range(count):
             square = 0.0
-            for axis in range(3):
+            for axis in range(points.shape[1]):
                 square += (points[n, axis] - points[chosen[k], axis]) ** 2
             if square <= apart_m * apart_m:
                 is_far = False

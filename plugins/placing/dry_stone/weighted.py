@@ -38,7 +38,7 @@ class Weighted:
             "height": 1 - np.maximum(0.0, m["bottom_m"]) / built.structure.height_m,
             "face": 1 - np.clip(m["depth_m"] / _FACE_M, 0.0, 1.0),
             "interlock": 1 - m["largest_support_share"],
-            "margin": np.minimum(1.0, m["support_margin_m"] / _MARGIN_M),
+            "margin": np.clip(m["support_margin_m"] / _MARGIN_M, 0.0, 1.0),
             "beside": m["beside_share"],
             "joints": m["joints_closed"],
             "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),

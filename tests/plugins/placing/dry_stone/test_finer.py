@@ -1,9 +1,17 @@
 """More turns are tried before a structure is said to be full."""
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
+from executive_plugins.placing.dry_stone.height_maps import HeightMaps
+from executive_plugins.placing.dry_stone.parts import Place, Stability
 from executive_plugins.placing.dry_stone.planner import DryStone
-from executive_plugins.placing.dry_stone.settings import DryStoneSettings
+from executive_plugins.placing.dry_stone.settings import (
+    CheckSettings,
+    DryStoneSettings,
+    GeneratorSettings,
+)
 
 from executive.geometry.pose import pose
 from executive.messages.building import AsBuilt, StandingStone
@@ -39,3 +47,49 @@ def test_a_stone_that_only_fits_across_the_wall_is_laid_across(
     if fits:
         R = plan.targets[0].T_map_settled[:3, :3]
         assert abs(R[1, 0]) == pytest.approx(1.0)  # its longer side is across
+
+
+@pytest.mark.parametrize("supported", [True, False])
+def test_a_stone_that_first_touches_beside_its_centre_fits_where_it_tilts_to_rest(
+    supported: bool,
+) -> None:
+    """A beam over a low box and a high one touches the high one, which is not below its centre."""
+    low = StandingStone(box("low", 0.4, 0.7, 0.2), pose(t=np.array([-0.6, 0.0, 0.1])))
+    high = StandingStone(box("high", 0.4, 0.7, 0.4), pose(t=np.array([0.6, 0.0, 0.2])))
+    built, beam = bare().with_standing(low, high), box("beam", 1.5, 0.5, 0.2)
+    settings = GeneratorSettings(sides=1, turns=1, supported=supported)
+    (places,) = HeightMaps(settings).places(built, [beam], np.random.default_rng(0), lambda: True)
+    (one,) = places
+    over_both = np.abs(one.origins_map - (0.0, 0.0, 0.5)).max(axis=1) < 0.05
+    assert over_both.any() == (not supported)
+    if not supported:
+        place = Place(beam, pose(one.R, one.origins_map[over_both][0]), 0.0, {})
+        at_rest = HeightMaps(settings)
+        assert at_rest.at_rest(place, built, [beam]) is not None
+
+
+def test_a_place_in_two_turns_is_two_places() -> None:
+    """A gap that takes a stone in all its turns, at about one point, has all of them checked."""
+    planner = DryStone(
+        DryStoneSettings.model_validate({
+            "check": {"part": f"{__name__}:Counts"}, "covered": 1.0,
+            "generator": {"attitude": "kept", "turns": 4, "finer": 1, "kept": 100},
+        })
+    )  # fmt: skip
+    Counts.headings.clear()
+    planner.propose(two_apart(0.9), (box("long", 0.7, 0.5, 0.4),), np.random.default_rng(0))
+    assert len(set(np.round(Counts.headings, 3))) == 4
+
+
+class Counts:
+    """A check that holds nothing, and notes how the stones were turned."""
+
+    headings: ClassVar[list[float]] = []
+
+    def __init__(self, settings: CheckSettings) -> None:
+        del settings
+
+    def check(self, place, built, rng, may_go_on):
+        R = place.T_map_stone[:3, :3]
+        self.headings.append(float(np.arctan2(R[1, 0], R[0, 0])))
+        return Stability("topples", place.T_map_stone, 0.0, 0.0, {})

@@ -20,5 +20,12 @@ def test_a_distance_counts_along_all_axes() -> None:
     assert spread(points, 3, 0.29).tolist() == [0, 2]
 
 
+def test_a_turn_counts_as_an_axis_of_its_own() -> None:
+    """Two places at one point are apart if the stone is turned by enough."""
+    points = np.zeros((3, 4))
+    points[:, 3] = (0.0, 0.1, 0.3)
+    assert spread(points, 3, 0.25).tolist() == [0, 2]
+
+
 def test_no_points_give_none() -> None:
     assert spread(np.empty((0, 3)), 5, 0.25).tolist() == []

@@ -53,3 +53,8 @@ def test_what_is_beyond_the_best_or_worst_counts_no_more() -> None:
     assert found["height"] == pytest.approx([1.0])  # a foot that has sunk into the ground
     assert found["margin"] == pytest.approx([1.0])
     assert found["face"] == pytest.approx([1.0])
+
+
+def test_no_support_is_no_worse_than_the_edge_of_it() -> None:
+    """A stone that is to tilt to rest has its centre of mass beside what it first touches."""
+    assert scored(WORST | {"support_margin_m": -0.3})["margin"] == pytest.approx([0.0])
