@@ -96,7 +96,7 @@ def test_a_place_that_noise_takes_away_is_not_tried_among_free_stones(monkeypatc
     monkeypatch.setattr(TrialsOfStructure, "of", lambda *given: tried.append(given) or of(*given))
     refusals = []
     for noise in (0.0, 0.06):
-        settings = CheckSettings(pieces=1, samples=8, noise=noise, tilt_noise=0.0)
+        settings = CheckSettings(pieces=1, other_pieces=0, samples=8, noise=noise, tilt_noise=0)
         check = Checks(settings)
         refusals.append(found_at(check, place, first_course()).refusal)
     assert refusals[0] == ""
