@@ -81,11 +81,11 @@ def measure(
         none = np.empty((0, 3))
         limit_m = settings.gate_distance_m
         return Closeness(limit_m, limit_m, limit_m, 0.0, none, none, limit_m, grid_m)
-    feet = target[rows[near]]
+    feet = target.take(rows[near], axis=0)
     # The mean of the points in a cell is nearer to each of them than the cell's diagonal.
     even = PointGrid(np.array(surface.points()[:, :3]), _CELL * settings.voxel_m)
     nearest = even.nearest(feet, 2 * settings.voxel_m)[1]
-    normals = np.array(surface.normals()[nearest, :3])
+    normals = surface.normals().take(nearest, axis=0)[:, :3].copy()
     across = np.einsum("ij,ij->i", thinned[near] - feet, normals)
     square = float(np.mean(distances[near] ** 2))
     square_across = float(np.mean(across**2))

@@ -58,12 +58,8 @@ def fit(
     centre = target.points.mean(axis=0)
     T_centre = np.eye(4)
     T_centre[:3, 3] = -centre
-    near = (
-        target.points[
-            _within_reach(target.points, transform(T_guess, source.points), max_distance_m)
-        ]
-        - centre
-    )
+    is_near = _within_reach(target.points, transform(T_guess, source.points), max_distance_m)
+    near = target.points.take(np.flatnonzero(is_near), axis=0) - centre
     moved = transform(T_centre @ T_guess, source.points)
     if len(near) < settings.min_points:
         return Alignment(
@@ -106,8 +102,15 @@ def _check(T_guess: Float, max_distance_m: float) -> None:
 
 
 def _within_reach(points: Float, others: Float, distance_m: float) -> Float:
-    low, high = others.min(axis=0) - distance_m, others.max(axis=0) + distance_m
-    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
+    """Return which points are in the box about the others, widened on all sides, shape (N,).
+
+    Axis by axis: reductions along rows of three take five times as long.
+    """
+    is_inside = np.ones(len(points), dtype=bool)
+    for along, beside in zip(points.T, others.T, strict=True):
+        low, high = beside.min() - distance_m, beside.max() + distance_m
+        is_inside &= (along >= low) & (along <= high)
+    return is_inside
 
 
 def _optimise(
@@ -149,7 +152,7 @@ def _optimise(
             break
         T = small_gicp.align(
             prepared,
-            _with_normals(facing, settings),
+            _moved_cloud(method, facing, settings),
             tree,
             T,
             registration_type=method,
@@ -160,6 +163,11 @@ def _optimise(
             translation_epsilon=1e-4,
         ).T_target_source
     return prepared, apart_m, np.asarray(T, dtype=np.float64)
+
+
+def _moved_cloud(method: str, points: Float, settings: AlignmentSettings) -> small_gicp.PointCloud:
+    """Return what a method moves: of the source, distances to planes need the points alone."""
+    return small_gicp.PointCloud(points) if method != "GICP" else _with_normals(points, settings)
 
 
 def _with_normals(points: Float, settings: AlignmentSettings) -> small_gicp.PointCloud:
@@ -176,8 +184,9 @@ def _facing(
     """
     points, normals = np.array(source.points()[:, :3]), source.normals()[:, :3]
     nearest = even.nearest(transform(T, points))
-    cosines = np.einsum("ij,ij->i", normals @ T[:3, :3].T, target.normals()[nearest, :3])
-    return np.asarray(points[np.abs(cosines) > np.sqrt(0.5)])
+    beside = target.normals().take(nearest, axis=0)[:, :3]
+    cosines = np.einsum("ij,ij->i", normals @ T[:3, :3].T, beside)
+    return points.take(np.flatnonzero(np.abs(cosines) > np.sqrt(0.5)), axis=0)
 
 
 def _judge(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import small_gicp
 from executive_plugins.alignment.even_points import EvenPoints
 from executive_plugins.alignment.gicp import Gicp
 from executive_plugins.alignment.local_fit import _within_reach
@@ -243,3 +244,17 @@ def test_the_nearest_of_a_thinned_surface_are_found_near_and_far() -> None:
     points, queries = rng.uniform(-1, 1, (500, 3)), rng.uniform(-4, 4, (300, 3))
     apart = np.linalg.norm(queries[:, None] - points, axis=2)
     assert np.array_equal(EvenPoints(points, 0.05).nearest(queries), apart.argmin(axis=1))
+
+
+def test_only_generalised_icp_fits_normals_to_the_points_that_it_moves(monkeypatch) -> None:
+    fitted, estimate = [], small_gicp.estimate_normals_covariances
+
+    def counted(cloud: small_gicp.PointCloud, **options: int) -> None:
+        fitted.append(cloud.size())
+        estimate(cloud, **options)
+
+    monkeypatch.setattr(small_gicp, "estimate_normals_covariances", counted)
+    for aligner, fits in ((GICP, 3), (PLANE, 1)):  # point-to-plane begins with generalised ICP
+        fitted.clear()
+        aligner.align(Cloud("map", boulder(1)), Cloud("map", boulder(2)), np.eye(4), 0.3)
+        assert len(fitted) == fits
