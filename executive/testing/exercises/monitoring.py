@@ -80,6 +80,7 @@ class MonitoringExercise(Exercise[Monitor, MonitoringInputs]):
                 JointSample(3600.0, first.names, first.position, first.velocity, first.effort),
             ),
             "the end of a hold that never began": lambda monitor: monitor.end_hold(),
+            "a carry of a hold that never began": lambda monitor: monitor.begin_carry(),
             "two holds without an end between them": lambda monitor: (
                 monitor.begin_hold(),
                 monitor.begin_hold(),

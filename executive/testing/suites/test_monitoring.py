@@ -26,6 +26,16 @@ def test_says_once_that_the_stone_is_gone_and_since_when(
     assert told[0].detail
 
 
+def test_says_so_of_a_stone_that_was_found_to_hang_before(
+    plugin: Monitor, machine: Machine, insist: Insist
+) -> None:
+    plugin.begin_hold()
+    plugin.begin_carry()
+    told = feed(plugin, machine, lost(0.4, 0.0), lost(2.5e5, 0.0))
+    insist(told, "it says nothing about a stone that is lost")
+    assert len(told) == 1
+
+
 def test_says_nothing_unless_something_is_held(plugin: Monitor, machine: Machine) -> None:
     assert feed(plugin, machine, lost(0.4, 0.0), lost(2.5e5, 0.0)) == []
     plugin.begin_hold()
