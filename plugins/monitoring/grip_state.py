@@ -106,20 +106,24 @@ def _chi2(s: Signals) -> dict[GripState, float]:
     pressed = inf if s.weight.is_unknown else s.weight.off(-inf, _PRESSED)
     unmoved, narrow = s.closed.off(-inf, 1.0), s.closed.off(1.0, inf)
     held, slid = s.closed.off(-inf, APART), s.closed.off(APART, inf)
+    together, apart = s.widened.off(-inf, APART), s.widened.off(APART, inf)
     widest = _APART_HANGING if s.has_settled else APART
-    together, apart = s.widened.off(-inf, widest), s.widened.off(widest, inf)
-    pressing, bears = s.force.off(_HALF, inf) + together, s.force.off(_NOTHING, inf) + together
-    weak = min(s.force.off(-inf, _HALF), apart)
+    pressing = s.force.off(_HALF, inf) + s.widened.off(-inf, widest)
+    bears = s.force.off(_NOTHING, inf) + together
+    weak = min(s.force.off(-inf, _HALF), s.widened.off(widest, inf))
     slack = min(s.force.off(-inf, _NOTHING), apart)
-    standing = 0.0 if s.may_stand else _UNSUNK
-    if s.force.is_unknown:  # then the jaws' motion, and whether the stone may stand, have to tell
-        weak = apart
+    # A stone that was not found to hang may stand, though the gripper has not sunk.
+    may_stand = s.may_stand or not s.has_settled
+    standing = 0.0 if may_stand else _UNSUNK
+    # Jaws press on for some tenths of a second on a stone that slides out of them: their force
+    # tells a fall from a stone that stands only where it may stand.
+    fallen = gone + (slack if may_stand else 0.0)
+    if s.force.is_unknown:  # then the jaws' motion, and whether the gripper has sunk, have to tell
+        weak = s.widened.off(widest, inf)
         slack = min(narrow, apart) if s.may_stand else 0.0
         standing = 0.0 if s.may_stand else inf
+        fallen = gone + slack
     down = min(gone + bears + standing, pressed)
-    # Jaws press on for some tenths of a second on a stone that slides out of them: their force
-    # tells a fall from a stone that stands only where the gripper has sunk.
-    fallen = gone + (slack if s.may_stand else 0.0)
     return {
         GripState.FIRM: carried + pressing + s.closed.off(-inf, _CREEP),
         GripState.CREEPING: carried + pressing + s.closed.off(_CREEP, 1.0),

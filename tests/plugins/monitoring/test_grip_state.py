@@ -75,14 +75,19 @@ def test_the_likelihood_of_a_state_is_that_of_the_nearest_point_of_its_region(
         (signals(GONE, GONE), GripState.LOST),
         # Once it hangs, only a stone that slides or turns forces the jaws apart.
         (signals(widened=Signal(3.0, 0.1), has_settled=True), GripState.OPENING),
-        # Jaws that press with more than a fifth of their force bear on something, if the gripper
-        # has sunk; what it has not sunk onto has left the jaws.
-        (signals(GONE, Signal(0.1, 0.01), may_stand=True), GripState.LOST),
-        (signals(GONE, Signal(0.3, 0.01), may_stand=True), GripState.TOUCHING_GROUND),
-        (signals(GONE, may_stand=True), GripState.TOUCHING_GROUND),
-        (signals(GONE), GripState.LOST),
-        (signals(GONE, closed=Signal(3.0, 0.1), may_stand=True), GripState.TOUCHING_GROUND),
-        (signals(GONE, closed=Signal(5.0, 0.1), may_stand=True), GripState.SLID_DOWN),
+        # Jaws that shake on a stone that slides are no jaws that have lost it.
+        (
+            signals(closed=Signal(1.5, 0.1), widened=Signal(2.0, 0.1), has_settled=True),
+            GripState.SLIPPING,
+        ),
+        # Jaws that press with more than a fifth of their force bear on something.
+        (signals(GONE, Signal(0.1, 0.01)), GripState.LOST),
+        (signals(GONE, Signal(0.3, 0.01)), GripState.TOUCHING_GROUND),
+        (signals(GONE, closed=Signal(3.0, 0.1)), GripState.TOUCHING_GROUND),
+        (signals(GONE, closed=Signal(5.0, 0.1)), GripState.SLID_DOWN),
+        # A stone that hung, and that the gripper has not sunk with, has left the jaws.
+        (signals(GONE, has_settled=True), GripState.LOST),
+        (signals(GONE, may_stand=True, has_settled=True), GripState.TOUCHING_GROUND),
         # An arm that is pushed up by more than the stone weighs stands on something.
         (signals(Signal(-0.8, 0.02), GONE), GripState.LOST),
         (signals(Signal(-1.3, 0.02), GONE), GripState.TOUCHING_GROUND),
