@@ -26,6 +26,8 @@ _PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the s
 _FIRM_M = 0.05  # largest cost of a firm grasp
 _FEET = (1.0, 0.7, 0.4, 0.1)  # one for each drawn lift, see `PlanningCloud.body`
 _DRAWN = len(_FEET)
+_RAISED_M = 0.1  # height of a stone's foot that is not seen; the tips of raised lifts meet the rest
+_RAISED = (0.7, 0.4)  # the feet of raised lifts
 # The number of lifts that a network's prediction counts for. Of 1, 2, 4 and 8 the second predicts
 # lifts in `nominal` best (Brier score, 32 stones, with the network of lifts in `kind`).
 _PREDICTED = 2
@@ -49,6 +51,20 @@ class Rehearsed:
     least_slip_m: float
     lifted: float
     made: int
+
+    def joined(self, other: "Rehearsed") -> "Rehearsed":
+        """Return what came of these lifts and of others."""
+        n = self.made + other.made
+        mean = [
+            (self.made * a + other.made * b) / n
+            for a, b in (
+                (self.slip_m, other.slip_m),
+                (self.push_m, other.push_m),
+                (self.lifted, other.lifted),
+            )
+        ]
+        least_m = min(self.least_slip_m, other.least_slip_m)
+        return Rehearsed(mean[0], mean[1], least_m, mean[2], n)
 
     @property
     def cost_m(self) -> float:
@@ -83,6 +99,25 @@ class Rehearsal(ABC):
             worth: What is predicted of the grasp before its lifts; None if nothing is.
             to_beat: The best score so far; a grasp that cannot reach it needs no more lifts.
         """
+
+    def confirmed(
+        self,
+        lifts: Mapping[float, SimulatedLift],
+        T_plan_gripper: Float,
+        jaw_rad: float,
+        depth_m: float,
+        seen: Rehearsed,
+    ) -> Rehearsed:
+        """Return what came of the lifts of a grasp that is the best so far, and of more of them.
+
+        Args:
+            lifts: Lift the stone, by its foot.
+            T_plan_gripper: Pose of the gripper at the grasp, shape (4, 4).
+            jaw_rad: Jaw angle just outside the stone [rad].
+            depth_m: How far the closed tips are below the stone's centre [m].
+            seen: What came of its lifts so far.
+        """
+        return seen
 
     @abstractmethod
     def score(self, worth: float, is_telling: bool, seen: Rehearsed) -> float:
@@ -155,6 +190,12 @@ class DrawnLifts(Rehearsal):
     So the score is a rate of success: lifts that held, with the prediction counted as two lifts
     before them (the mean of a beta distribution). A grasp is refused only if no lift holds. Its
     lifts end once it cannot reach the best one any more: its score then has fewer of them.
+
+    Where the tips close within that decimetre, lifts say little of the true stone (correlation 0.33
+    over 168 grasps). Raised by it, the tips meet what was seen, and lifts say more (0.62), though
+    fewer hold. So the best grasp is lifted twice more, raised by half of the tips' depth at most,
+    and the next one if it is not the best any more: a grasp that holds there, too, depends less on
+    the foot. Over 168 stones the choice held in 78 % of its lifts instead of 74 %.
     """
 
     feet = _FEET
@@ -169,6 +210,7 @@ class DrawnLifts(Rehearsal):
             )
             for foot in _FEET
         ]
+        self._open_rad = belief.gripper.open_rad
 
     def lift(
         self,
@@ -185,6 +227,26 @@ class DrawnLifts(Rehearsal):
             if _rate(worth, _DRAWN - missed, _DRAWN) < to_beat:
                 break  # even if the others hold
         return _summed(made)
+
+    def confirmed(
+        self,
+        lifts: Mapping[float, SimulatedLift],
+        T_plan_gripper: Float,
+        jaw_rad: float,
+        depth_m: float,
+        seen: Rehearsed,
+    ) -> Rehearsed:
+        made = [
+            lifts[foot].lift(T_plan_gripper @ T_off, jaw_rad + OPENED_RAD, contact)
+            for foot, T_off, contact in self._variants[seen.made :]
+        ]
+        T = T_plan_gripper @ pose(t=np.array([-min(_RAISED_M, max(depth_m, 0.0) / 2), 0.0, 0.0]))
+        made += [
+            lifts[foot].lift(T @ T_off, self._open_rad, contact)  # higher up, it may be wider
+            for foot, T_off, contact in self._variants
+            if foot in _RAISED
+        ]
+        return seen.joined(_summed(made))
 
     def score(self, worth: float, is_telling: bool, seen: Rehearsed) -> float:
         return _rate(worth if is_telling else None, seen.lifted * seen.made, seen.made)

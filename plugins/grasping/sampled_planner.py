@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -67,6 +67,16 @@ class _Load:
     mass_kg: float
     least_kg: float
     words: str
+
+
+@dataclass(slots=True, eq=False)
+class _Lifted:
+    """A grasp that is proposed: its row in the pool, its worth, and what came of its lifts."""
+
+    row: int
+    grasp: Grasp
+    worth: float
+    seen: Rehearsed | None
 
 
 class _Refused(Counter[str]):
@@ -172,7 +182,7 @@ class SampledPlanner(GraspPlanner):
 
         Each grasp that is returned has been lifted, as the later ones are for attempts after a
         failure. Where the worth is telling, simulation stops once there are enough firm grasps and
-        no other one can become the best.
+        no other one can become the best; the best is lifted again to confirm it.
         """
         s, gripper = self._settings, self._machine.gripper
         lifts = {
@@ -180,7 +190,7 @@ class SampledPlanner(GraspPlanner):
             for foot in self._rehearsal.feet
         }
         order = self.ordered(scene, pool)
-        grasps: list[Grasp] = []
+        found: list[_Lifted] = []
         firm, best = 0, -np.inf
         attainable = self._attainable(scene, pool, order.indices, T_map_base, load, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
@@ -196,17 +206,40 @@ class SampledPlanner(GraspPlanner):
             elif score < order.least_score:
                 refused["unlikely"] += 1
             else:
-                lifted = {} if seen is None else {"slip_m": seen.slip_m, "push_m": seen.push_m}
                 named = {
                     name: float(values[i])
                     for name, values in (*pool.costs.items(), *order.costs.items())
                 }
                 best = max(best, score)
-                grasps.append(Grasp(T_map_gripper, gripper.max_opening_m, score, named | lifted))
+                costs = named | _costs_of(seen)
+                grasp = Grasp(T_map_gripper, gripper.max_opening_m, score, costs)
+                found.append(_Lifted(i, grasp, worth, seen))
             if tried == (s.rehearsed or s.max_grasps) or (not order.is_telling and firm == _ENOUGH):
                 break
-        grasps.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
-        return tuple(grasps[: s.max_grasps])
+        if order.is_telling:
+            self._confirm(found, lifts, pool)
+        likely = [one.grasp for one in found if one.grasp.score >= order.least_score]
+        refused["unlikely"] += len(found) - len(likely)
+        likely.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
+        return tuple(likely[: s.max_grasps])
+
+    def _confirm(
+        self, found: list[_Lifted], lifts: Mapping[float, SimulatedLift], pool: Pool
+    ) -> None:
+        """Lift the best grasp again, until the best one was."""
+        confirmed: set[_Lifted] = set()
+        while found:
+            best = max(found, key=lambda one: one.grasp.score)
+            if best.seen is None or best in confirmed:
+                return
+            confirmed.add(best)
+            i, rehearsal = best.row, self._rehearsal
+            T, jaw_rad = pose(pool.R[i], pool.position[i]), float(pool.jaw_rad[i])
+            depth_m = -float(pool.costs["shallow_m"][i])
+            best.seen = rehearsal.confirmed(lifts, T, jaw_rad, depth_m, best.seen)
+            score = rehearsal.score(best.worth, True, best.seen)
+            costs = {**best.grasp.costs, **_costs_of(best.seen)}
+            best.grasp = replace(best.grasp, score=score, costs=costs)
 
     def _rehearsed(
         self,
@@ -260,3 +293,8 @@ class SampledPlanner(GraspPlanner):
                 refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
+
+
+def _costs_of(seen: Rehearsed | None) -> dict[str, float]:
+    """Return the costs that lifts of a grasp add."""
+    return {} if seen is None else {"slip_m": seen.slip_m, "push_m": seen.push_m}

@@ -120,3 +120,39 @@ def test_an_arm_without_errors_rehearses_the_planned_pose_itself() -> None:
     lifts = Given([HELD] * 4)
     rehearsal_of(belief_of("nominal", GRIPPER), 0.0, 0.0).lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
     assert all(np.array_equal(T, np.eye(4)) for T, _, _ in lifts.made)
+
+
+@pytest.mark.parametrize(
+    ("depth_m", "raised_m"), [(0.4, 0.1), (0.12, 0.06), (0.0, 0.0), (-0.1, 0.0)]
+)
+def test_the_best_is_lifted_again_raised_to_where_the_stone_was_seen_but_not_above_its_middle(
+    depth_m: float, raised_m: float
+) -> None:
+    """With the same errors; the jaws start open, as the stone may be wider higher up."""
+    drawn = rehearsal_of(belief_of("nominal", GRIPPER), 0.0, 0.0)
+    lifts = Given([HELD] * 5 + [FALLEN])
+    seen = drawn.lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    seen = drawn.confirmed(lifts, np.eye(4), 0.5, depth_m, seen)  # type: ignore[arg-type]
+    assert lifts.feet[4:] == [0.7, 0.4]
+    assert [-T[0, 3] for T, _, _ in lifts.made] == pytest.approx([0.0] * 4 + [raised_m] * 2)
+    assert [jaw for _, jaw, _ in lifts.made[4:]] == [GRIPPER.open_rad] * 2
+    assert [one[2] for one in lifts.made[4:]] == [one[2] for one in lifts.made[1:3]]
+    assert (seen.made, seen.lifted) == (6, pytest.approx(5 / 6))
+    assert seen.slip_m == pytest.approx((5 * 0.01 + 0.5) / 6)
+    assert seen.least_slip_m == pytest.approx(0.01)
+    assert drawn.score(0.8, True, seen) == pytest.approx((2 * 0.8 + 5) / 8)
+
+
+def test_lifts_that_ended_early_are_made_up_for_before() -> None:
+    nominal, lifts = rehearsal("nominal"), Given([FALLEN] + [HELD] * 5)
+    seen = nominal.lift(lifts, np.eye(4), 0.5, 0.8, nominal.highest(0.8))  # type: ignore[arg-type]
+    assert seen.made == 1
+    seen = nominal.confirmed(lifts, np.eye(4), 0.5, 0.3, seen)  # type: ignore[arg-type]
+    assert lifts.feet == [1.0, 0.7, 0.4, 0.1, 0.7, 0.4]
+    assert (seen.made, seen.lifted) == (6, pytest.approx(5 / 6))
+
+
+def test_in_kind_nothing_is_lifted_again() -> None:
+    kind, lifts = rehearsal("kind"), Given([HELD] * 3)
+    seen = kind.lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    assert kind.confirmed(lifts, np.eye(4), 0.5, 0.3, seen) is seen  # type: ignore[arg-type]

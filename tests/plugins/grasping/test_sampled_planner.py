@@ -39,7 +39,7 @@ def stone(points: int = 20, weight: Weight | None = None) -> Stone:
 def pool(count: int = 6, refused: Counter[str] | None = None) -> Pool:
     """Return grasps one metre from each other, whose cost is their number."""
     position = np.column_stack([np.arange(count), np.zeros((count, 2))]).astype(float)
-    costs = {"align_rad": np.arange(count) / 10}
+    costs = {"align_rad": np.arange(count) / 10, "shallow_m": np.arange(count) / -20}
     refused = Counter() if refused is None else refused
     return Pool(np.array([np.eye(3)] * count), position, np.arange(count) / 100, costs, refused)
 
@@ -57,8 +57,9 @@ class Rehearsal:
 
     feet = (1.0, 0.5)
 
-    def __init__(self, slips_m: dict[int, float]) -> None:
-        self.slips_m, self.asked = slips_m, []
+    def __init__(self, slips_m: dict[int, float], again_m: dict[int, float] | None = None) -> None:
+        self.slips_m, self.again_m, self.asked = slips_m, again_m or {}, []
+        self.confirmed_ones: list[int] = []
 
     def lift(self, simulated, T_plan_gripper, jaw_rad, predicted, to_beat) -> Seen:
         assert simulated == {
@@ -68,6 +69,15 @@ class Rehearsal:
         assert T_plan_gripper[:3, 3].tolist() == [number, 0.0, 0.0]
         self.asked.append((number, predicted, to_beat))
         return Seen(self.slips_m.get(number, 0.0))
+
+    def confirmed(self, simulated, T_plan_gripper, jaw_rad, depth_m, seen) -> Seen:
+        number = round(jaw_rad * 100)
+        assert len(simulated) == len(self.feet)
+        assert T_plan_gripper[:3, 3].tolist() == [number, 0.0, 0.0]
+        assert depth_m == pytest.approx(number / 20)
+        assert seen.slip_m == self.slips_m.get(number, 0.0)
+        self.confirmed_ones.append(number)
+        return Seen(self.again_m.get(number, seen.slip_m))
 
     def highest(self, worth: float) -> float:
         return worth + 0.5
@@ -203,7 +213,13 @@ def test_grasps_have_their_pose_score_and_costs_best_first() -> None:
     best = found.grasps[0]
     assert best.T_map_gripper == pytest.approx(T_MAP_PLAN @ pose(t=np.array([1.0, 0.0, 0.0])))
     assert best.opening_m == 1.2
-    assert best.costs == {"align_rad": 0.1, "own": 5.0, "slip_m": 0.05, "push_m": 0.01}
+    assert best.costs == {
+        "align_rad": 0.1,
+        "shallow_m": -0.05,
+        "own": 5.0,
+        "slip_m": 0.05,
+        "push_m": 0.01,
+    }
     # Each lift is told what is predicted and what there is to beat.
     expected = [(2, 0.6, -np.inf), (0, 0.5, 0.6), (1, 0.7, 0.6)]
     assert [(i, pytest.approx(p), pytest.approx(b)) for i, p, b in planner._rehearsal.asked] == [
@@ -220,12 +236,33 @@ def test_what_slips_too_far_or_is_unlikely_is_refused() -> None:
     assert found.refused == {"slips": 1, "unlikely": 1}
 
 
+def test_the_best_is_confirmed_until_the_best_one_was() -> None:
+    """Raised lifts take 0.15 of the first one's score, so the second is lifted again, and holds."""
+    order = Order(range(4), np.array([0.9, 0.8, 0.7, 0.3]), {}, True)
+    planner = Planner(pool(4), order)
+    planner._rehearsal = Rehearsal({}, {0: 0.15, 2: 0.19})
+    found = plan(planner)
+    assert planner._rehearsal.confirmed_ones == [0, 1]
+    assert numbers(found) == [1, 0, 2, 3]
+    assert [grasp.score for grasp in found.grasps] == pytest.approx([0.8, 0.75, 0.7, 0.3])
+    assert found.grasps[1].costs["slip_m"] == 0.15
+
+
+def test_what_is_unlikely_once_it_was_lifted_again_is_refused() -> None:
+    order = Order(range(2), np.array([0.9, 0.7]), {}, True, least_score=0.6)
+    planner = Planner(pool(2), order)
+    planner._rehearsal = Rehearsal({}, {0: 0.4, 1: 0.2})
+    found = plan(planner)
+    assert planner._rehearsal.confirmed_ones == [0, 1]
+    assert (found.grasps, found.refused) == ((), {"unlikely": 2})
+
+
 def test_without_rehearsals_the_worth_is_the_score() -> None:
     order = Order(range(4), np.array([0.1, 0.4, 0.3, 0.2]), {}, True, least_score=0.15)
     found = plan(Planner(pool(4), order, rehearsed=0, max_grasps=3))
     assert numbers(found) == [1, 2]  # three are tried, and the first is unlikely
     assert found.refused == {"unlikely": 1}
-    assert found.grasps[0].costs == {"align_rad": 0.1}
+    assert found.grasps[0].costs == {"align_rad": 0.1, "shallow_m": -0.05}
 
 
 def test_lifts_end_once_four_are_firm_and_none_can_become_the_best() -> None:
@@ -246,6 +283,7 @@ def test_a_worth_that_tells_nothing_is_not_waited_for() -> None:
     found = plan(planner)
     assert numbers(found) == [5, 4, 1, 3, 0]
     assert [predicted for _, predicted, _ in planner._rehearsal.asked] == [None] * 5
+    assert planner._rehearsal.confirmed_ones == []
 
 
 def test_no_more_are_lifted_or_returned_than_the_settings_say() -> None:
