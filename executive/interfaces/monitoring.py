@@ -36,7 +36,8 @@ class Monitor(Plugin, ABC):
 
     def begin_carry(self) -> None:
         """The stone hangs: it was weighed off the ground, and does not settle in the jaws any more.
-        It may not be called at all.
+
+        A tree without a trial lift never calls it.
         """
         return None
 

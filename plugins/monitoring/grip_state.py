@@ -62,8 +62,8 @@ class Signals:
         force: Force of the jaws as a share of that at the grasp.
         closed: Closing of the jaws as a share of what counts as slip.
         widened: Opening of the jaws as a share of the same.
-        may_stand: Whether the ground may carry the stone.
-        has_settled: Whether the stone has settled in the jaws.
+        may_stand: Whether the gripper has sunk or presses, so that the ground may carry the stone.
+        has_settled: Whether the stone was found to hang, or has had the time to settle in the jaws.
     """
 
     weight: Signal
