@@ -65,6 +65,7 @@ class SegmentMap(Action[SegmentMapSettings]):
     merges matched segments pair by pair: segmenting the merged map gives the same models and also
     those stones that only one of the two maps shows. Before, the survey is laid onto the map from
     place to place, see `local_shift`: a stone that both show would have two surfaces otherwise.
+    A stone's model includes its foot, where the jaws close.
     """
 
     needs = (Mapper, Segmenter, ObjectDatabase)
@@ -85,7 +86,7 @@ class SegmentMap(Action[SegmentMapSettings]):
         segmentation = yield from self.context.job(segmenter.segment, merged)
         stones = yield from self.context.job(
             self.context.use(ObjectDatabase).observe,
-            segmentation.segments,
+            [segment.with_foot() for segment in segmentation.segments],
             self.context.now_s(),
             drone_map is not None,
         )

@@ -59,7 +59,7 @@ def search(context: Context, stone_id: int, settings: SearchSettings) -> Steps[N
         context.record(StoneSoughtAgain(stone_id, (stone_id,), "registration", note))
         return succeeded(reason=note)
     segmentation = yield from context.job(context.use(Segmenter).segment, near)
-    others = _not_done(segmentation, context, stone_id)
+    others = [one.with_foot() for one in _not_done(segmentation, context, stone_id)]
     seen = yield from context.job(objects.observe, others, context.now_s(), False)
     ids = tuple(one.id for one in seen)
     context.record(StoneSoughtAgain(stone_id, ids, "segmentation", found.reason))

@@ -1,7 +1,9 @@
 """Object-like parts of a cloud, and what else rises from its ground."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+import numpy as np
 
 from executive.arrays import Float, checked
 from executive.messages.cloud import Cloud
@@ -16,15 +18,24 @@ class Segment:
         points: Points of the object in the frame of the segmented cloud [m], shape (N, 3).
         centroid: Mean of the points [m], shape (3,).
         extents: Side lengths of the box along the principal axes, longest first [m], shape (3,).
+        foot: Points of its foot, too low to be told from the ground by their height alone; they
+            are in the segmentation's ground, too [m], shape (F, 3).
     """
 
     id: int
     points: Float
     centroid: Float
     extents: Float
+    foot: Float = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def with_foot(self) -> "Segment":
+        """Return the segment with its foot among its points; the extents stay those without it."""
+        points = np.concatenate([self.points, self.foot])
+        return Segment(self.id, points, points.mean(axis=0), self.extents)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", checked("points", self.points, None, 3))
+        object.__setattr__(self, "foot", checked("foot", self.foot, None, 3))
         object.__setattr__(self, "centroid", checked("centroid", self.centroid, 3))
         object.__setattr__(self, "extents", checked("extents", self.extents, 3))
 

@@ -8,6 +8,7 @@ from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.convex_splitting import ConvexSplitter
 from executive_plugins.segmentation.even_sample import first_in_squares
+from executive_plugins.segmentation.feet import feet_of
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
 from executive_plugins.segmentation.ground_surface import (
     GroundSurface,
@@ -106,10 +107,10 @@ class GroundAndClusters(Segmenter):
             )
         centre, surface, told_of_site = self._ground(cloud.points, rng)
         plane = surface.plane
-        heights = surface.heights_above(cloud.points, centre)
-        is_rising = heights > settings.plane_margin_m
+        above = surface.heights_above(cloud.points, centre)
+        is_rising = above > settings.plane_margin_m
         rising, lying = np.flatnonzero(is_rising), np.flatnonzero(~is_rising)
-        points, heights = cloud.points.take(rising, axis=0) - centre, heights[rising]
+        points, heights = cloud.points.take(rising, axis=0) - centre, above[rising]
         apart_m = spacing_m(points)
         limits = limits_for(settings, self._sizes, apart_m)
         places = points @ surface.R_plane_cloud[:2].T
@@ -120,10 +121,12 @@ class GroundAndClusters(Segmenter):
             *spacing_warnings(apart_m, settings.voxel_m, limits.least_extent_m),
             *unit_warnings(len(parts), told, limits.most_extent_m),
         )
+        low = lying[above[lying] > settings.foot_level_m]
+        low_points = cloud.points.take(low, axis=0) - centre
         normals = None if cloud.normals is None else cloud.normals[lying]
         return Segmentation(
             frame=cloud.frame,
-            segments=tuple(_segment(number, part + centre) for number, part in enumerate(parts)),
+            segments=_segments(parts, low_points, settings.foot_reach_m, centre),
             ground=Cloud(cloud.frame, cloud.points.take(lying, axis=0), normals),
             ground_plane=np.array([*plane[:3], plane[3] + plane[:3] @ centre]),
             left_out=told,
@@ -218,5 +221,15 @@ class GroundAndClusters(Segmenter):
         return sorted(kept, key=len, reverse=True), rest, scattered
 
 
-def _segment(number: int, points: Float) -> Segment:
-    return Segment(number, points, moments(points)[0], principal_extents(points))
+def _segments(
+    parts: Sequence[Float], low: Float, reach_m: float, centre: Float
+) -> tuple[Segment, ...]:
+    """Return the objects with their feet, in the frame of the cloud."""
+    feet = feet_of(parts, low, reach_m)
+    found = enumerate(
+        (part + centre, foot + centre) for part, foot in zip(parts, feet, strict=True)
+    )
+    return tuple(
+        Segment(number, points, moments(points)[0], principal_extents(points), foot)
+        for number, (points, foot) in found
+    )

@@ -14,6 +14,16 @@ class GroundAndClustersSettings(PluginSettings):
 
     needs: ClassVar[tuple[str, ...]] = ("machine",)
 
+    foot_level_m: Meters = Field(
+        0.03, ge=0, le=1, description="Points lower than this above the ground are ground [m]."
+    )
+    foot_reach_m: Meters = Field(
+        0.1,
+        ge=0,
+        le=1,
+        description="Points between the two heights belong to the foot of an object whose points "
+        "are so near [m]; 0 leaves feet out.",
+    )
     plane_margin_m: Meters = Field(
         0.10, gt=0, le=1, description="Height up to which points are ground, d_plane [m]."
     )

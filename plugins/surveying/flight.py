@@ -1,5 +1,6 @@
 """A drone's flight over the site: the position and the rays of each picture."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,38 +17,62 @@ class Picture:
     rays: Float
 
 
-def take_pictures(settings: FlightSettings, rng: np.random.Generator) -> list[Picture]:
-    """Return the pictures of both rings, three in four from the outer one, with random errors."""
-    slanted = settings.cameras - settings.cameras // 4
-    return [
-        *_ring(settings, slanted, 0.65, 0.35, rng),
-        *_ring(settings, settings.cameras // 4, 0.3, 0.3, rng),
-    ]
-
-
-def _ring(
-    settings: FlightSettings, count: int, radius: float, aim: float, rng: np.random.Generator
+def take_pictures(
+    settings: FlightSettings, top: Callable[[Float], float], rng: np.random.Generator
 ) -> list[Picture]:
-    """Return pictures from an ellipse around the middle of the ground.
+    """Return the pictures of all rings, with random errors.
+
+    Three in four of `cameras` are from the outer ring, the others from the inner one. The low ring
+    keeps its height above what is below it, as its pilot does.
 
     Args:
         settings: The flight.
-        count: Number of pictures.
+        top: Returns the height of the highest surface at a place, shape (2,) [m].
+        rng: Source of the errors.
+    """
+    slanted, steep = settings.cameras - settings.cameras // 4, settings.cameras // 4
+    high_m, low_m, around = settings.height_m, settings.low_height_m, settings.low_cameras
+    return [
+        *_ring(settings, _angles(slanted, rng), 0.65, 0.35, lambda _: 0.0, high_m, rng),
+        *_ring(settings, _angles(steep, rng), 0.3, 0.3, lambda _: 0.0, high_m, rng),
+        *_ring(settings, _angles(around, rng), 0.65, 0.35, top, low_m, rng),
+    ]
+
+
+def _angles(count: int, rng: np.random.Generator) -> Float:
+    """Return where on their ring the pictures are taken [rad], shape (count,)."""
+    around = np.arange(count) + rng.uniform(-0.3, 0.3, count)
+    return np.asarray(2 * np.pi * around / max(count, 1))
+
+
+def _ring(
+    settings: FlightSettings,
+    angles: Float,
+    radius: float,
+    aim: float,
+    below: Callable[[Float], float],
+    height_m: float,
+    rng: np.random.Generator,
+) -> Iterator[Picture]:
+    """Yield pictures from an ellipse around the middle of the ground.
+
+    Args:
+        settings: The flight.
+        angles: Where on the ellipse they are taken [rad], shape (N,).
         radius: Half-axes of the ellipse, as a share of the ground's sides.
         aim: The same of the ellipse that the pictures look at.
-        rng: Source of the errors of angle and height.
+        below: Returns the height from which theirs counts, at a place, shape (2,) [m].
+        height_m: Their height above it.
+        rng: Source of the errors of height and of the rays.
     """
-    pictures = []
-    for angle in 2 * np.pi * (np.arange(count) + rng.uniform(-0.3, 0.3, count)) / max(count, 1):
+    centre = np.array([*settings.centre_m, 0.0])
+    for angle in angles:
         outwards = np.array(
             [np.cos(angle) * settings.size_m[0], np.sin(angle) * settings.size_m[1], 0.0]
         )
-        centre = np.array([*settings.centre_m, 0.0])
-        position = (
-            centre + radius * outwards + [0.0, 0.0, settings.height_m * rng.uniform(0.9, 1.1)]
-        )
-        pictures.append(Picture(position, _rays(centre + aim * outwards - position, settings, rng)))
-    return pictures
+        position = centre + radius * outwards
+        position[2] = below(position[:2]) + height_m * rng.uniform(0.9, 1.1)
+        yield Picture(position, _rays(centre + aim * outwards - position, settings, rng))
 
 
 def _rays(forward: Float, settings: FlightSettings, rng: np.random.Generator) -> Float:

@@ -44,9 +44,11 @@ class DepthSettings(Settings):
 
 
 class FlightSettings(Settings):
-    """Settings of a flight: slanted pictures from an outer ring, steep ones from an inner ring."""
+    """Settings of a flight: slanted pictures from an outer ring, steep ones from an inner ring, and
+    level ones from a low ring.
+    """
 
-    cameras: int = Field(20, ge=3, le=200, description="Number of pictures.")
+    cameras: int = Field(20, ge=3, le=200, description="Number of pictures of the high rings.")
     centre_m: tuple[float, float] = Field(
         (3.7, 0.0), description="Middle of the surveyed ground in the map [m]."
     )
@@ -55,6 +57,15 @@ class FlightSettings(Settings):
     )
     height_m: Meters = Field(
         8.0, gt=1, le=100, description="Height of the pictures above the map's origin [m]."
+    )
+    low_cameras: int = Field(
+        12,
+        ge=0,
+        le=200,
+        description="Pictures of a low ring, which see stones down to their feet; 0 for none.",
+    )
+    low_height_m: Meters = Field(
+        2.5, gt=0.5, le=100, description="Height of the low ring above what is below it [m]."
     )
     view_angle_rad: Radians = Field(
         1.2, gt=0.2, lt=2.5, description="Opening angle of the camera [rad]."

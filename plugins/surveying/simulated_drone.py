@@ -1,4 +1,4 @@
-"""A drone over a simulated site: pictures from about twenty positions, made into a cloud."""
+"""A drone over a simulated site: pictures from about thirty positions, made into a cloud."""
 
 from typing import ClassVar
 
@@ -19,6 +19,7 @@ from executive.interfaces.surveying import Survey
 from executive.messages.cloud import Cloud
 
 FRAME = "survey"
+_ABOVE_ALL_M = 90.0  # height above all that stands on a site
 
 
 class SimulatedDrone(Survey):
@@ -26,8 +27,9 @@ class SimulatedDrone(Survey):
     cloud.
 
     Each picture is a fan of rays, so what no camera sees stays a hole. The paper flew about 200
-    pictures for COLMAP (Mascaro 2020, Sec. 4.1); twenty positions cover the site as well, since the
-    noise is drawn, not computed.
+    pictures for COLMAP (Mascaro 2020, Sec. 4.1); thirty positions cover the site as well, since the
+    noise is drawn, not computed. A dozen of them are low, and see stones down to their feet, where
+    the jaws close.
     """
 
     Settings: ClassVar[type[Settings]] = SimulatedDroneSettings
@@ -72,13 +74,19 @@ class SimulatedDrone(Survey):
         merged = voxel_means(bent, settings.voxel_m, bent.min(axis=0))
         return Cloud(FRAME, own_frame(merged, settings, rng))
 
+    def _top(self, place: Float) -> float:
+        """Return the height of the highest surface at a place, 0 where there is none [m]."""
+        above, down = np.array([[*place, _ABOVE_ALL_M]]), np.array([[0.0, 0.0, -1.0]])
+        top_m = _ABOVE_ALL_M - float(self._scene().cast_rays(above, down)[0])
+        return top_m if np.isfinite(top_m) else 0.0
+
     def _seen(self, rng: np.random.Generator) -> Float:
         """Return what the pictures show of the surveyed ground, with errors of depth, in the map,
         shape (N, 3).
         """
         flight = self._settings.flight
         parts = []
-        for picture in take_pictures(flight, rng):
+        for picture in take_pictures(flight, self._top, rng):
             ranges = self._scene().cast_rays(
                 np.broadcast_to(picture.position, picture.rays.shape), picture.rays
             )

@@ -43,6 +43,9 @@ def test_points_are_points_of_the_cloud(plugin: Segmenter) -> None:
     found = plugin.segment(Cloud("map", site()))
     for part in (found.ground.points, *(s.points for s in found.segments)):
         assert {tuple(p) for p in part.round(6)} <= cloud
+    ground = {tuple(p) for p in found.ground.points.round(6)}
+    for segment in found.segments:
+        assert {tuple(p) for p in segment.foot.round(6)} <= ground
 
 
 def test_nothing_has_no_ground(plugin: Segmenter) -> None:

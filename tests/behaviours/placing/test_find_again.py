@@ -1,5 +1,7 @@
 """FindAgain and FindLost, ticked to success and to failure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,23 @@ def test_what_registration_refuses_is_found_by_segmentation(stage, search, datab
     assert ended.status == "SUCCESS"
     assert database.stone(2).centroid_map[0] == pytest.approx(5.3, abs=0.1)
     assert [(event.method, event.seen) for event in ended.events] == [("segmentation", (2,))]
+
+
+def test_a_segment_that_is_offered_has_its_foot(stage, search, database):
+    (part,) = search.segmented.segments
+    foot = part.points[:3] - [0.0, 0.0, 0.5]
+    footed = Segmentation("map", (replace(part, foot=foot),), *search.rest)
+    plugins(search).update(
+        registration=stage.Scripted(Registrar, find=alignment(False)),
+        segmentation=stage.Scripted(Segmenter, segment=footed),
+    )
+    offered = []
+    observe = database.observe
+    database.observe = lambda found, *rest: (offered.extend(found), observe(found, *rest))[1]
+    search.tick(FindAgain, stone=2)
+    (one,) = offered
+    np.testing.assert_array_equal(one.points[-3:], foot)
+    np.testing.assert_allclose(one.centroid, one.points.mean(axis=0))
 
 
 @pytest.mark.parametrize("done", [StoneState.PLACED, StoneState.SET_ASIDE])

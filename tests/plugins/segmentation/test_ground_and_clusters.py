@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from executive_plugins.segmentation.ground_and_clusters import GroundAndClusters
 from executive_plugins.segmentation.settings import GroundAndClustersSettings
+from scipy.spatial import cKDTree
 
 from executive.errors import DataError
 from executive.geometry.pose import pose, transform
@@ -50,6 +51,26 @@ def test_each_stone_is_one_segment_where_it_stands() -> None:
     assert [s.id for s in found] == list(range(len(SPOTS)))
     sizes = [len(s.points) for s in found]
     assert sizes == sorted(sizes, reverse=True)
+
+
+def test_a_foot_is_what_is_low_beside_a_stone_and_above_the_ground() -> None:
+    settings = GroundAndClustersSettings()
+    for one in segmenter().segment(Cloud("map", site())).segments:
+        assert len(one.foot) > 50
+        above = one.foot[:, 2] - heights(one.foot[:, :2])
+        assert above.min() > settings.foot_level_m - 0.03  # the ground is not known better
+        assert above.max() < settings.plane_margin_m + 0.03
+        assert cKDTree(one.points).query(one.foot)[0].max() <= settings.foot_reach_m
+        whole = one.with_foot()
+        assert len(whole.points) == len(one.points) + len(one.foot)
+        np.testing.assert_allclose(whole.centroid, whole.points.mean(axis=0))
+        assert not len(whole.foot)
+
+
+def test_feet_are_left_out_on_request() -> None:
+    found = segmenter(foot_reach_m=0).segment(Cloud("map", site())).segments
+    assert len(found) == len(SPOTS)
+    assert all(not len(one.foot) for one in found)
 
 
 def test_extents_are_those_of_the_stone() -> None:

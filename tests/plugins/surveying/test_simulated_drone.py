@@ -35,6 +35,13 @@ class Yard(Scene):
         return ranges
 
 
+class Nothing(Yard):
+    """Air."""
+
+    def cast_rays(self, origins_world: Float, directions_world: Float) -> Float:
+        return np.full(len(origins_world), np.inf)
+
+
 class Blind:
     """A robot without a scene."""
 
@@ -66,8 +73,33 @@ def test_sees_the_sides_of_stones_but_nothing_under_them() -> None:
         near = points[np.linalg.norm(points - ball, axis=1) < RADIUS + 0.01]
         azimuths = np.degrees(np.arctan2(*(near - ball)[:, 1::-1].T)) // 30
         assert len(set(azimuths[near[:, 2] < 0.6])) == 12  # from all around
-        under = points[np.linalg.norm(points[:, :2] - ball[:2], axis=1) < 0.1]
+        under = points[np.linalg.norm(points[:, :2] - ball[:2], axis=1) < 0.05]
         assert (under[:, 2] > 0.9).all()  # only the top
+
+
+def test_low_pictures_see_the_feet_of_stones() -> None:
+    low, none = (
+        SimulatedDrone(
+            SimulatedDroneSettings.model_validate(
+                {"reconstruction": PERFECT, "flight": {"low_cameras": cameras}}
+            ),
+            Yard(),  # type: ignore[arg-type]
+        )._seen(np.random.default_rng(0))
+        for cameras in (12, 0)
+    )
+    for ball in BALLS:
+        feet = []
+        for points in (low, none):
+            near = points[np.linalg.norm(points - ball, axis=1) < RADIUS + 0.01]
+            feet.append(int((near[:, 2] < 0.15).sum()))
+        assert feet[0] > feet[1] + 20  # below the bulge
+
+
+def test_the_low_ring_flies_above_what_stands_in_its_way() -> None:
+    seen = drone(Yard())
+    assert seen._top(BALLS[0][:2]) == pytest.approx(1.0)
+    assert seen._top(np.array([20.0, 20.0])) == pytest.approx(0.0)
+    assert SimulatedDrone(SimulatedDroneSettings(), Nothing())._top(np.zeros(2)) == 0.0
 
 
 def test_noise_and_warp_have_the_size_that_the_settings_say() -> None:
