@@ -19,6 +19,7 @@ from executive_plugins.segmentation.hollow_splitting import HollowSplitter
 from executive_plugins.segmentation.limits import Limits, limits_for
 from executive_plugins.segmentation.part_kind import Fault, PartJudge, left_out
 from executive_plugins.segmentation.plane_splitting import PlaneSplitter
+from executive_plugins.segmentation.seam_slivers import SeamSlivers
 from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from executive_plugins.segmentation.shape import moments, principal_extents, spans
 from executive_plugins.segmentation.site_check import site_warnings, spacing_warnings, unit_warnings
@@ -74,7 +75,8 @@ class GroundAndClusters(Segmenter):
         )
         by_convexity = self._by_convexity(limits)
         by_planes = PlaneSplitter(limits.patch_m, limits.least_extent_m, by_convexity.is_one)
-        return HollowSplitter(by_gaps, by_planes, by_convexity)
+        slivers = SeamSlivers(limits.patch_m, limits.least_points, by_planes.odds)
+        return HollowSplitter(by_gaps, by_planes, by_convexity, slivers)
 
     def _by_convexity(self, limits: Limits) -> ConvexSplitter:
         return ConvexSplitter(

@@ -1,5 +1,5 @@
 """Splitting of clusters by gaps and valleys first, then by planes between convex bodies, and of
-what is hollow still along its concave borders.
+what is hollow still along its concave borders; slivers along seams are given back at last.
 """
 
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ import numpy as np
 from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.convex_splitting import ConvexSplitter
 from executive_plugins.segmentation.plane_splitting import PlaneSplitter
+from executive_plugins.segmentation.seam_slivers import SeamSlivers
 
 from executive.arrays import Float, Int
 
@@ -20,11 +21,13 @@ class HollowSplitter:
         by_gaps: Splits by gaps and valleys.
         by_planes: Splits what is more likely two bodies that touch than one.
         by_convexity: Splits what is hollow or too long for one stone.
+        slivers: Gives what cuts leave over along seams to the stones beside it.
     """
 
     by_gaps: ClusterSplitter
     by_planes: PlaneSplitter
     by_convexity: ConvexSplitter
+    slivers: SeamSlivers
 
     def count_tops(self, places: Float, heights: Float) -> int:
         """Return how many summits a part has, seen from above; arguments as in `split`."""
@@ -46,4 +49,4 @@ class HollowSplitter:
                     where = places.take(rows, axis=0)
                     parts = self.by_convexity.split(surface, where, heights[rows])
                     found += [rows[inner] for inner in parts]
-        return found
+        return self.slivers.given_back(level, found)

@@ -68,6 +68,12 @@ class PlaneSplitter:
         told = np.array([one.mean(), quantile(two, _SHARE), one[at_seam].mean()]) / longest_m
         return float(np.log(told + _FLOOR) @ _WEIGHTS) + _OFFSET
 
+    def odds(self, one: Float, other: Float) -> float:
+        """Return the logarithm of the odds that two sets of patches are two bodies and not one."""
+        both = np.vstack([one, other])
+        is_beyond = np.arange(len(both)) >= len(one)
+        return self.evidence(both, axes_of(both), is_beyond)
+
     def _cut(self, patches: Float, rows: Int) -> list[Int]:
         part = patches[rows]
         if len(rows) < _FEW:
@@ -107,9 +113,7 @@ class PlaneSplitter:
         one, other = (bodies[k] for k in pair)
         if cKDTree(patches[one]).query(patches[other])[0].min() > _SEAM * self.patch_m:
             return np.inf
-        both = patches[np.concatenate([one, other])]
-        is_beyond = np.arange(len(both)) >= len(one)
-        return self.evidence(both, axes_of(both), is_beyond)
+        return self.odds(patches[one], patches[other])
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
