@@ -20,6 +20,7 @@ from executive_plugins.segmentation.limits import Limits, limits_for
 from executive_plugins.segmentation.part_kind import Fault, PartJudge, left_out
 from executive_plugins.segmentation.plane_splitting import PlaneSplitter
 from executive_plugins.segmentation.seam_slivers import SeamSlivers
+from executive_plugins.segmentation.seen_ground import SeenGround
 from executive_plugins.segmentation.settings import GroundAndClustersSettings
 from executive_plugins.segmentation.shape import moments, principal_extents, spans
 from executive_plugins.segmentation.site_check import site_warnings, spacing_warnings, unit_warnings
@@ -115,8 +116,10 @@ class GroundAndClusters(Segmenter):
         points, heights = cloud.points.take(rising, axis=0) - centre, above[rising]
         apart_m = spacing_m(points)
         limits = limits_for(settings, self._sizes, apart_m)
-        places = points @ surface.R_plane_cloud[:2].T
-        parts, rest, scattered = self._objects(points, heights, places, limits, rng)
+        axes = surface.R_plane_cloud[:2].T
+        below = cloud.points.take(lying, axis=0)
+        ground = SeenGround(lambda: (below - centre) @ axes, limits.patch_m)
+        parts, rest, scattered = self._objects(points, heights, points @ axes, limits, ground, rng)
         told = tuple(left_out(*one, centre) for one in rest)
         warnings = (
             *told_of_site,
@@ -129,7 +132,7 @@ class GroundAndClusters(Segmenter):
         return Segmentation(
             frame=cloud.frame,
             segments=_segments(parts, low_points, settings.foot_reach_m, centre),
-            ground=Cloud(cloud.frame, cloud.points.take(lying, axis=0), normals),
+            ground=Cloud(cloud.frame, below, normals),
             ground_plane=np.array([*plane[:3], plane[3] + plane[:3] @ centre]),
             left_out=told,
             scattered_points=scattered,
@@ -182,6 +185,7 @@ class GroundAndClusters(Segmenter):
         heights: Float,
         places: Float,
         limits: Limits,
+        ground: SeenGround,
         rng: np.random.Generator,
     ) -> tuple[list[Float], list[Fault], int]:
         """Part what rises from the ground.
@@ -191,7 +195,8 @@ class GroundAndClusters(Segmenter):
             the reason; and the number of points in clusters too small.
         """
         s, splitter = self._settings, self._splitter(limits)
-        judge = PartJudge(limits, s.max_hollow, s.flat_margin_m, s.flat_share, splitter.count_tops)
+        flat = s.flat_margin_m, s.flat_share
+        judge = PartJudge(limits, s.max_hollow, *flat, splitter.count_tops, ground)
         groups = np.zeros(len(points), dtype=np.int64)
         labels = connected_clusters(points, groups, limits.voxel_m)
         order, counts = np.argsort(labels, kind="stable"), np.bincount(labels)
@@ -201,10 +206,10 @@ class GroundAndClusters(Segmenter):
                 scattered += len(members)
                 continue
             cluster = points.take(members, axis=0)
-            if fault := judge.wide(cluster):
+            where, above = places.take(members, axis=0), heights[members]
+            if fault := judge.wide(cluster) or judge.hanging(where, above):
                 rest.append((cluster, *fault))
                 continue
-            where, above = places.take(members, axis=0), heights[members]
             split = splitter.split(cluster, where, above)
             parts = [cluster.take(rows, axis=0) for rows in split]
             faults = [

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from executive_plugins.segmentation.hollow import hollow_share, is_hollow
 from executive_plugins.segmentation.limits import Limits
+from executive_plugins.segmentation.seen_ground import SeenGround
 from executive_plugins.segmentation.shape import (
     counts_near,
     moments,
@@ -20,6 +21,7 @@ _FLAT_SAMPLE = 500  # points by which a plane is looked for
 _BUILT = (PartKind.STRUCTURE, PartKind.TOO_LARGE, PartKind.STACK)
 _MOST = 1 / 3  # share of a cluster that is no stone, above which the rest is none either
 _UPRIGHT = 2.0  # height in the larger side on the ground: such a stone tips over at 27 degrees
+_HANGING = 0.5  # share of a cluster below which ground is seen: what rests on the ground hides it
 _WHOLE = 1.5  # hollowness, in that from which parts are looked for, of what has none
 Fault = tuple[Float, PartKind, str]  # points of a part that is no stone, what it is, and why
 Found = tuple[PartKind, str]
@@ -34,6 +36,7 @@ class PartJudge:
         flat_margin_m: Distance from a plane that still is the plane [m].
         flat_share: Share of points on one plane above which a part is no stone.
         count_tops: Counts the summits of a part, given places and heights.
+        ground: Where the cloud shows ground.
     """
 
     def __init__(
@@ -43,10 +46,11 @@ class PartJudge:
         flat_margin_m: float,
         flat_share: float,
         count_tops: Callable[[Float, Float], int],
+        ground: SeenGround,
     ) -> None:
         self._limits, self._most_hollow = limits, most_hollow
         self._flat_margin_m, self._flat_share = flat_margin_m, flat_share
-        self._count_tops = count_tops
+        self._count_tops, self._ground = count_tops, ground
 
     def fault(
         self, part: Float, places: Float, heights: Float, rng: np.random.Generator
@@ -74,6 +78,21 @@ class PartJudge:
         if widest_m <= self._limits.heap_m:
             return None
         told = f"{widest_m:.1f} m wide, more than any heap ({self._limits.heap_m:.0f} m)"
+        return PartKind.STRUCTURE, told
+
+    def hanging(self, places: Float, heights: Float) -> Found | None:
+        """Return what a cluster is if nothing that is hidden can bear it.
+
+        A stone rests on what it hides itself. With ground below most of it, and a gap as high as
+        the stone, this would be a stem narrower than half of it and as long as all that is seen.
+        """
+        lowest_m = float(heights.min())
+        if lowest_m <= float(np.ptp(heights)):
+            return None
+        share = self._ground.share_below(places)
+        if share <= _HANGING:
+            return None
+        told = f"hangs {lowest_m:.2f} m above the ground, which is seen below {share:.0%} of it"
         return PartKind.STRUCTURE, told
 
     def whole(self, parts: Sequence[Int], faults: Sequence[Found | None]) -> Found | None:

@@ -248,3 +248,13 @@ def test_a_cloud_with_z_down_or_y_up_is_warned_of() -> None:
     floor = np.random.default_rng(0).uniform([-5, -5, 0], [5, 5, 0.02], (9000, 3))
     upright = segmenter().segment(Cloud("map", np.vstack([site()[:, [0, 2, 1]], floor])))
     assert any("is z up?" in one for one in upright.warnings)
+
+
+@pytest.mark.parametrize(("lift_m", "kinds"), [(1.5, [PartKind.STRUCTURE]), (0.0, [])])
+def test_what_hangs_in_the_air_is_no_stone(lift_m: float, kinds: list[PartKind]) -> None:
+    """The same body on the ground is one."""
+    rng = np.random.default_rng(3)
+    body = stone(np.array([-3.0, -4.0]), 0.6, rng) + [0.0, 0.0, lift_m]
+    found = segmenter().segment(Cloud("map", np.vstack([site(), body])))
+    assert [one.kind for one in found.left_out] == kinds
+    assert len(found.segments) == len(SPOTS) + 1 - len(kinds)

@@ -5,6 +5,7 @@ import pytest
 from executive_plugins.segmentation import part_kind
 from executive_plugins.segmentation.limits import Limits
 from executive_plugins.segmentation.part_kind import PartJudge, left_out
+from executive_plugins.segmentation.seen_ground import SeenGround
 
 from executive.arrays import Float
 from executive.messages.segment import PartKind
@@ -24,8 +25,9 @@ LIMITS = Limits(
 HOLLOW = 0.2  # what one stone may have; half as much again is asked of a part
 
 
-def judge(tops: int = 1) -> PartJudge:
-    return PartJudge(LIMITS, HOLLOW, 0.02, 0.6, lambda places, heights: tops)
+def judge(tops: int = 1, below: Float | None = None) -> PartJudge:
+    ground = SeenGround(lambda: np.empty((0, 2)) if below is None else below, 0.05)
+    return PartJudge(LIMITS, HOLLOW, 0.02, 0.6, lambda places, heights: tops, ground)
 
 
 def box(length_m: float, width_m: float, height_m: float) -> Float:
@@ -103,6 +105,23 @@ def test_what_stands_upright_is_built() -> None:
         PartKind.STRUCTURE,
         "stands upright: 1.02 m high, 0.50 m wide",
     )
+
+
+@pytest.mark.parametrize(
+    ("gap_m", "share", "hangs"), [(0.61, 0.55, True), (0.59, 0.55, False), (0.61, 0.45, False)]
+)
+def test_what_has_ground_below_it_and_a_gap_as_high_as_itself_hangs(
+    gap_m: float, share: float, hangs: bool
+) -> None:
+    part, rng = box(1.0, 0.8, 0.6), np.random.default_rng(0)
+    below = rng.uniform(0, 1, (20_000, 2)) * [share, 0.81]
+    found = judge(below=below).hanging(part[:, :2], part[:, 2] + gap_m)
+    if hangs:
+        assert found is not None
+        assert found[0] is PartKind.STRUCTURE
+        assert found[1].startswith("hangs 0.61 m above the ground, which is seen below 5")
+    else:
+        assert found is None
 
 
 def test_what_is_long_is_too_large_or_several() -> None:
