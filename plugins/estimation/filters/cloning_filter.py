@@ -64,6 +64,15 @@ class CloningFilter(ErrorStateFilter):
         own[:k, k:], own[k:, :k] = clocks[_POSE].T, clocks[_POSE]
         self._cross[:, k:] = P[:, _POSE]
 
+    def become(self, other: "CloningFilter") -> None:
+        """Take state, covariance and clone of another filter."""
+        self.block[:] = other.block
+        self._state, self._clone_s = None, other._clone_s
+
+    def drop_clone(self) -> None:
+        """Forget the clone: a filter without one is faster to predict."""
+        self.block["companions"], self._clone_s = self._clocks, -np.inf
+
     def has_clone_at(self, stamp_s: float) -> bool:
         """Return whether the clone is of a time [s]."""
         return abs(self._clone_s - stamp_s) < 1e-6

@@ -3,11 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
-from executive_plugins.estimation.filters.cloning_filter import CloningFilter, IncrementInnovation
+from executive_plugins.estimation.filters.cloning_filter import IncrementInnovation
 from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
+from executive_plugins.estimation.filters.odometry_trial import OdometryTrial
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
 from executive_plugins.estimation.filters.status_account import FALLBACK, GLOBAL
+from executive_plugins.estimation.filters.witnessed_filter import WitnessedFilter
 from executive_plugins.estimation.gate.increment_record import IncrementRecord
+from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.start.found import Found
 
@@ -41,46 +44,90 @@ class ErrorStateEkf(GnssImuFilter):
             )
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
+        settings = self._lidar
         self._records: dict[str, IncrementRecord] = {}
-        self._cloning = CloningFilter(found.state, found.covariance, self._noise, found.clock)
-        return self._cloning
+        self._pair = WitnessedFilter(found.state, found.covariance, self._noise, found.clock)
+        self._trial = OdometryTrial(self._pair, settings.reacquire_after_s)
+        return self._pair
+
+    def _start_at(self, found: Found) -> None:
+        super()._start_at(found)
+        self._pair.judge_by(self._innovations, self._new_innovations(found))
+
+    def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
+        is_used = super()._correct_by_fix(kalman, fix, late_s)
+        if kalman is not self._pair:  # the filter has begun anew since the fix was queued
+            return is_used
+        is_contradicted = not is_used or self._suspected_s == kalman.stamp_s
+        period_s = self._periods[fix.antenna].period_s / len(self._periods)
+        is_doubted = self._pair.correct_other(fix, late_s, period_s)
+        other2 = None if is_doubted else self._pair.other.distance2
+        if self._trial.takes_fix(is_contradicted, other2):
+            self._used_fix_s = kalman.stamp_s
+            self._begin_trust()
+            return True
+        return is_used
 
     def _correct_by_increment(self, stream: str, increment: LidarIncrement) -> None:
         """Correct by the motion since the last increment's end, and clone the pose again.
 
         The first increment only clones the pose.
         """
-        kalman = self._cloning
-        if kalman.has_clone_at(increment.from_s):
+        trial, status = self._trial, self._status()
+        if status == GLOBAL:
+            trial.begin()
+        elif status == FALLBACK:
+            trial.trust()
+        else:
+            trial.dismiss()
+        if trial.user.has_clone_at(increment.from_s):
             T_imu_lidar = self._T_imu_lidar(increment.frame)
             T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
             Ad = adjoint(T_imu_lidar)
             covariance = self._lidar.odometry_scale**2 * Ad @ increment.covariance @ Ad.T
-            refused = self._refusal(stream, kalman.increment(T_from_to, covariance))
+            covariance[3:, 3:] += self._drift2(increment) * np.eye(3)
+            refused = self._refusal(stream, trial.user.increment(T_from_to, covariance))
             if refused:
                 self._stamp_gate.refuse(stream, refused)
-        kalman.clone()
+        trial.user.clone()
+
+    def _drift2(self, increment: LidarIncrement) -> float:
+        """Return what an increment adds to the variance of the way since the last fix [m²].
+
+        An error b of each increment is k b after k of them, so that the k-th adds (2 k − 1) b².
+        It counts until fixes are missing: after that, nothing but odometry tells the velocity.
+        """
+        step_s = increment.to_s - increment.from_s
+        since_s = min(increment.to_s - self._used_fix_s, self._missing_after_s)
+        steps = max(1.0, since_s / step_s)
+        length_m = float(np.linalg.norm(increment.T_from_to[:3, 3]))
+        return (2.0 * steps - 1.0) * (self._lidar.odometry_drift * length_m) ** 2
 
     def _refusal(self, stream: str, innovation: IncrementInnovation) -> str:
         """Correct by an increment; return why it was not used, empty if it was.
 
-        Fixes and inertial samples outvote odometry that leans, unless they contradict each other as
-        well, or there are no fixes.
+        Fixes and inertial samples outvote odometry that leans, or that separates the filters,
+        unless they contradict each other as well, or there are no fixes.
         """
         gate, status = self._lidar.odometry_gate, self._status()
         record = self._records.setdefault(stream, IncrementRecord(gate))
         if status == FALLBACK:
             record.acquit()
+        trial, user = self._trial, self._trial.user
         noise = record.take(
-            self._cloning.state.stamp_s,
+            user.stamp_s,
             innovation.residual,
             innovation.predicted,
             innovation.noise,
             status == GLOBAL,
         )
-        if noise is None:
-            return "contradicted by fixes and inertial samples" if record.is_wrong else "outlier"
-        is_used = self._cloning.correct_by_increment(replace(innovation, noise=noise), gate)
+        is_used = noise is not None and user.correct_by_increment(
+            replace(innovation, noise=noise), gate
+        )
+        if status == GLOBAL:
+            trial.conclude(record.is_wrong, record.period_s)
+        if record.is_wrong or not trial.trusts:
+            return "contradicted by fixes and inertial samples"
         return "" if is_used else "outlier"
 
     def _T_imu_lidar(self, frame: str) -> Float:

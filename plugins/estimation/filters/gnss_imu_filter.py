@@ -89,7 +89,12 @@ class GnssImuFilter(CabinEstimator):
         kalman.agreeing_clock = self._agreeing_clock()
         self._trailing = TrailingFilter(kalman, settings.lag_s, self._propagator)
         self._used_fix_s = found.state.stamp_s
-        self._innovations = {
+        self._innovations = self._new_innovations(found)
+
+    def _new_innovations(self, found: Found) -> dict[str, InnovationRecord]:
+        """Return an empty record of innovations for each antenna."""
+        settings = self._settings
+        return {
             name: InnovationRecord(settings.gate, settings.reacquire_after_s, found.fix_scale)
             for name in self._antennas_imu
         }
@@ -133,7 +138,7 @@ class GnssImuFilter(CabinEstimator):
         self._queue("joints", stamp_s, self._correct_by_standing, rate_cabin)
 
     def _queue(
-        self, stream: str, stamp_s: float, apply: Callable[..., None], *given: object
+        self, stream: str, stamp_s: float, apply: Callable[..., object], *given: object
     ) -> None:
         """Let the filter be corrected at a time by a function of it and of what is given."""
         trailing = self._trailing
@@ -142,8 +147,12 @@ class GnssImuFilter(CabinEstimator):
         ):
             self._stamp_gate.refuse(stream, "too late")
 
-    def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> None:
-        """Correct by a fix at the time by which the clock was thought to be late."""
+    def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
+        """Correct by a fix at the time by which the clock was thought to be late.
+
+        Returns:
+            Whether it was used.
+        """
         if (
             self._use(kalman, fix, late_s)
             or kalman.correct_by_compared(self._settings.gate)
@@ -154,7 +163,7 @@ class GnssImuFilter(CabinEstimator):
             self._refusals.clear()
             if self._used_in_row >= _TRUSTED:
                 self._begin_trust()
-            return
+            return True
         self._stamp_gate.refuse(fix.antenna, "outlier")
         self._used_in_row = 0
         if self._doubt is None:
@@ -162,13 +171,14 @@ class GnssImuFilter(CabinEstimator):
                 self._settings.window_start.of_doubt(), self._noise, self._settings.clock_std_s
             )
             self._doubted_s = kalman.stamp_s
-            return
+            return False
         # One fix in 15,000 is beyond the gate by chance, every few minutes of a mission: it is
         # refused, and speaks against the state only with a second one.
         off_m = float(np.linalg.norm(compared(kalman)[0]))
         self._suspect(
             kalman.stamp_s, f"two fixes were refused, that of {fix.antenna} by {off_m:.2f} m"
         )
+        return False
 
     def _suspect(self, stamp_s: float, cause: str) -> None:
         """Take what speaks against the state at a time [s]."""

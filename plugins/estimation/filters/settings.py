@@ -43,6 +43,12 @@ class ErrorStateEkfSettings(GnssImuSettings):
     odometry_scale: float = Field(
         1.0, gt=0, le=100, description="Factor on the increments' own standard deviation."
     )
+    odometry_drift: float = Field(
+        0.01,
+        ge=0,
+        le=1,
+        description="Error of odometry that is the same at each increment, as a share of the way.",
+    )
     odometry_gate: float = Field(
         32.0,
         gt=0,

@@ -60,6 +60,11 @@ class IncrementRecord:
         is_near = squared_distance(predicted + covariance, innovation) <= self._gate
         return covariance if is_near and not self.is_wrong else None
 
+    @property
+    def period_s(self) -> float:
+        """Usual time between two increments [s]."""
+        return self._period.period_s
+
     def acquit(self) -> None:
         """Use the odometry of a present lean again: without fixes, nothing else holds the state."""
         self.is_wrong = False

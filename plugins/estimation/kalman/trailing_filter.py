@@ -24,7 +24,7 @@ class Correction:
     """
 
     stamp_s: float
-    apply: Callable[[], None] = field(compare=False)
+    apply: Callable[[], object] = field(compare=False)
 
 
 class Predicted(Protocol):
