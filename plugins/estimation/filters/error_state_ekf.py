@@ -1,6 +1,7 @@
 """Estimation by inertial, satellite and lidar measurements in one error-state Kalman filter."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from executive_plugins.estimation.filters.cloning_filter import IncrementInnovation
@@ -12,6 +13,7 @@ from executive_plugins.estimation.filters.witnessed_filter import WitnessedFilte
 from executive_plugins.estimation.gate.increment_record import IncrementRecord
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.trailing_filter import Correction
 from executive_plugins.estimation.start.found import Found
 
 from executive.arrays import Float
@@ -37,11 +39,14 @@ class ErrorStateEkf(GnssImuFilter):
         self._lidar = settings
 
     def add_odometry(self, increment: LidarIncrement) -> None:
-        stream = f"odometry {increment.frame}"
-        if self._stamp_gate.admits(stream, increment.to_s):
-            self._queue(
-                stream, increment.to_s, lambda _: self._correct_by_increment(stream, increment)
-            )
+        """Use an increment; one that is late is waited for only while there are no fixes."""
+        stream, trailing = f"odometry {increment.frame}", self._trailing
+        if not self._stamp_gate.admits(stream, increment.to_s) or trailing is None:
+            return
+        apply = partial(self._correct_by_increment, stream, increment)
+        is_awaited = self._status() == FALLBACK
+        if not trailing.add(Correction(increment.to_s, apply), is_awaited):
+            self._stamp_gate.refuse(stream, "too late")
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
         settings = self._lidar

@@ -68,14 +68,20 @@ class TrailingFilter(Generic[K]):
         self._anchored_s = self._begin_s
         propagator.take(kalman.packed())
 
-    def add(self, correction: Correction) -> bool:
+    def add(self, correction: Correction, is_awaited: bool = True) -> bool:
         """Add a correction; return whether it is in time.
 
         A correction before the first state is ignored, since that state includes it.
+
+        Args:
+            correction: The correction.
+            is_awaited: Whether the lag grows if it is late. The state is predicted over the lag,
+                and gains more from a short one than from a measurement that it does not need.
         """
         if correction.stamp_s > self._begin_s:
             if correction.stamp_s < self.kalman.stamp_s:
-                self._wait_for(correction.stamp_s)
+                if is_awaited:
+                    self._wait_for(correction.stamp_s)
                 return False
             insort(self._corrections, correction)
             self._next_s = self._corrections[0].stamp_s

@@ -206,3 +206,17 @@ def test_the_errors_of_a_drift_add_up_along_the_way_since_the_last_fix(machine):
     assert variance == pytest.approx((10 * 0.01 * 0.1) ** 2)
     later = LidarIncrement(99.0, 100.0, "lidar", step, np.eye(6))
     assert estimator._drift2(later) == pytest.approx(estimator._drift2(some[-1]))
+
+
+def test_late_odometry_does_not_let_the_state_trail_while_fixes_hold_it(cabin, machine, with_lidar):
+    estimator = ErrorStateEkf(ErrorStateEkfSettings(standing={"is_used": False}), machine)
+    estimator.start()
+    late = []
+    for one in with_lidar(cabin, cabin.observations(6.0)):
+        if isinstance(one, LidarIncrement):
+            late.append(one)
+            continue
+        estimator.add(one)
+        if late and late[0].to_s < estimator.state().stamp_s - 0.5:
+            estimator.add_odometry(late.pop(0))
+    assert estimator.refused["odometry lidar_horizontal: too late"] > 10
