@@ -15,7 +15,7 @@ from executive.interfaces.truth import TrueStone
 from executive.messages.region import Region
 
 _ON_PLACE_M = 0.30  # from its slot, as `placed` counts
-# Estimated volumes are 2 to 9 % too small, so that two stones so alike may stand in either row.
+# Estimated volumes are off by some per cent: two stones so alike may stand in either row.
 _ALIKE = 1.1
 _NEXT_M = 0.25  # between faces of neighbours in a course that is to have 0.1 m
 _GROUND = "terrain"
