@@ -26,7 +26,7 @@ _PUSH_WEIGHT = 0.2  # weight of the motion by the closing jaws relative to the s
 _FIRM_M = 0.05  # largest cost of a firm grasp
 _FEET = (1.0, 0.7, 0.4, 0.1)  # one for each drawn lift, see `PlanningCloud.body`
 _DRAWN = len(_FEET)
-_RAISED_M = 0.1  # height of a stone's foot that is not seen; the tips of raised lifts meet the rest
+_RAISED_M = 0.1  # height of a stone's foot, hardly seen; the tips of raised lifts meet the rest
 _RAISED = (0.7, 0.4)  # the feet of raised lifts
 # The number of lifts that a network's prediction counts for. Of 1, 2, 4 and 8 the second predicts
 # lifts in `nominal` best (Brier score, 32 stones, with the network of lifts in `kind`).
@@ -182,8 +182,9 @@ class FixedLifts(Rehearsal):
 class DrawnLifts(Rehearsal):
     """Lifts with errors of pose and friction and another foot of the stone, each one a trial.
 
-    The lowest decimetre of a stone is not seen, and the jaws close there: a foot as wide as the
-    outline above it keeps the stone from rolling, and one that is drawn in lets the tips below it.
+    The lowest decimetre of a stone is hardly seen below its bulges, and the jaws close there: a
+    foot as wide as the outline above it keeps the stone from rolling, and one that is drawn in lets
+    the tips below it.
 
     Where even good grasps fall at times, one fall is evidence and no verdict: in `nominal`, of
     grasps that fell in all of four such lifts of the seen points' hull, 34 % lifted the true stone.
@@ -192,10 +193,11 @@ class DrawnLifts(Rehearsal):
     lifts end once it cannot reach the best one any more: its score then has fewer of them.
 
     Where the tips close within that decimetre, lifts say little of the true stone (correlation 0.33
-    over 168 grasps). Raised by it, the tips meet what was seen, and lifts say more (0.62), though
-    fewer hold. So the best grasp is lifted twice more, raised by half of the tips' depth at most,
-    and the next one if it is not the best any more: a grasp that holds there, too, depends less on
-    the foot. Over 168 stones the choice held in 78 % of its lifts instead of 74 %.
+    over 168 grasps, surveyed from 8 m). Raised by it, the tips meet what was seen, and lifts say
+    more (0.62), though fewer hold. So the best grasp is lifted twice more, raised by half of the
+    tips' depth at most, and the next one if it is not the best any more: a grasp that holds there,
+    too, depends less on the foot. Over 168 stones, surveyed so, the choice held in 78 % of its
+    lifts instead of 74 %.
     """
 
     feet = _FEET

@@ -12,8 +12,8 @@ from executive.geometry.rotation import about_axis
 
 _UP = np.array([0.0, 0.0, 1.0])
 _RING_M = 0.5  # width of the ring of ground around the stone that gives the height of its foot
-# Largest height of a model's lowest point above the foot of the stone: survey and segmentation miss
-# the foot.
+# Largest height of a model's lowest point above the foot of the stone: survey and segmentation
+# may miss the foot.
 _SUNK_M = 0.3
 
 

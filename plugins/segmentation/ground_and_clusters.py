@@ -197,8 +197,7 @@ class GroundAndClusters(Segmenter):
         s, splitter = self._settings, self._splitter(limits)
         flat = s.flat_margin_m, s.flat_share
         judge = PartJudge(limits, s.max_hollow, *flat, splitter.count_tops, ground)
-        groups = np.zeros(len(points), dtype=np.int64)
-        labels = connected_clusters(points, groups, limits.voxel_m)
+        labels = connected_clusters(points, np.zeros(len(points), dtype=np.int64), limits.voxel_m)
         order, counts = np.argsort(labels, kind="stable"), np.bincount(labels)
         kept, rest, scattered = list[Float](), list[Fault](), 0
         for members in np.split(order, np.cumsum(counts)[:-1]):
