@@ -52,9 +52,9 @@ def unexplained(
         points_map: The map [m], shape (N, 3).
         neighbours: Stones whose points are left out.
         distance_m: A point this near to a model is of that stone [m].
-        ground_m: Height above the lowest point of a model below which points are kept, because
-            they may be of the ground [m]. There is none at the foot of a stone that rests on
-            another one.
+        ground_m: Height above the lowest point of a model below which points beside it are kept,
+            because they may be of the ground [m]. There is none at the foot of a stone that rests
+            on another one.
         own: The stone whose points are kept, on which a neighbour may rest.
     """
     bases = [*neighbours, *([] if own is None else [own])]
@@ -63,7 +63,8 @@ def unexplained(
             rests = any(_rests_on(stone, base, ground_m) for base in bases if base is not stone)
             is_explained = _is_explained(points_map, stone.points_map, distance_m)
             is_above = points_map[:, 2] > stone.points_map[:, 2].min() + ground_m
-            points_map = points_map[~(is_explained & (is_above | rests))]
+            is_hidden = not rests and _is_hidden_ground(points_map, stone, ground_m)
+            points_map = points_map[~(is_explained & (is_above | rests) | is_hidden)]
     return points_map
 
 
@@ -88,6 +89,20 @@ def _rests_on(stone: Stone, base: Stone, ground_m: float) -> bool:
     except DataError:  # a few points on one line: there is nothing that could rest
         return False
     return bool(contains(outline, below[:, :2]).any())
+
+
+def _is_hidden_ground(points: Float, stone: Stone, ground_m: float) -> Bool:
+    """Return which points are ground under a stone, seen before the stone stood there.
+
+    With the stone left out nothing would hide it, and what rests on the stone would hang above it.
+    """
+    is_low = np.abs(points[:, 2] - stone.points_map[:, 2].min()) < ground_m
+    try:
+        outline = outline_of(stone.points_map)
+    except DataError:  # a few points on one line hide nothing
+        return np.zeros(len(points), dtype=bool)
+    is_low[is_low] = contains(outline, points[is_low, :2])
+    return np.asarray(is_low)
 
 
 def _is_explained(points: Float, model: Float, distance_m: float) -> Bool:
