@@ -4,14 +4,14 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from executive_plugins.estimation.filters.cloning_filter import IncrementInnovation
+from executive_plugins.estimation.filters.cloning_filter import CloningFilter, IncrementInnovation
 from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
-from executive_plugins.estimation.filters.odometry_trial import OdometryTrial
 from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
 from executive_plugins.estimation.filters.status_account import FALLBACK, GLOBAL
 from executive_plugins.estimation.filters.witnessed_filter import WitnessedFilter
 from executive_plugins.estimation.gate.increment_record import IncrementRecord
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.gate.odometry_trial import OdometryTrial, drift2
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.trailing_filter import Correction
 from executive_plugins.estimation.start.found import Found
@@ -55,6 +55,11 @@ class ErrorStateEkf(GnssImuFilter):
         self._trial = OdometryTrial(self._pair, settings.reacquire_after_s)
         return self._pair
 
+    @property
+    def _user(self) -> CloningFilter:
+        """The filter that uses odometry."""
+        return self._pair if self._trial.trusts else self._pair.other
+
     def _start_at(self, found: Found) -> None:
         super()._start_at(found)
         self._pair.judge_by(self._innovations, self._new_innovations(found))
@@ -85,28 +90,26 @@ class ErrorStateEkf(GnssImuFilter):
             trial.trust()
         else:
             trial.dismiss()
-        if trial.user.has_clone_at(increment.from_s):
+        if self._user.has_clone_at(increment.from_s):
             T_imu_lidar = self._T_imu_lidar(increment.frame)
             T_from_to = T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar)
             Ad = adjoint(T_imu_lidar)
             covariance = self._lidar.odometry_scale**2 * Ad @ increment.covariance @ Ad.T
             covariance[3:, 3:] += self._drift2(increment) * np.eye(3)
-            refused = self._refusal(stream, trial.user.increment(T_from_to, covariance))
+            refused = self._refusal(stream, self._user.increment(T_from_to, covariance))
             if refused:
                 self._stamp_gate.refuse(stream, refused)
-        trial.user.clone()
+        self._user.clone()
 
     def _drift2(self, increment: LidarIncrement) -> float:
-        """Return what an increment adds to the variance of the way since the last fix [m²].
+        """Return the variance of a drift since the last fix [m²], see `drift2`.
 
-        An error b of each increment is k b after k of them, so that the k-th adds (2 k − 1) b².
-        It counts until fixes are missing: after that, nothing but odometry tells the velocity.
+        It grows until fixes are missing: after that, nothing but odometry tells the velocity.
         """
-        step_s = increment.to_s - increment.from_s
         since_s = min(increment.to_s - self._used_fix_s, self._missing_after_s)
-        steps = max(1.0, since_s / step_s)
         length_m = float(np.linalg.norm(increment.T_from_to[:3, 3]))
-        return (2.0 * steps - 1.0) * (self._lidar.odometry_drift * length_m) ** 2
+        steps = since_s / (increment.to_s - increment.from_s)
+        return drift2(steps, self._lidar.odometry_drift * length_m)
 
     def _refusal(self, stream: str, innovation: IncrementInnovation) -> str:
         """Correct by an increment; return why it was not used, empty if it was.
@@ -118,7 +121,7 @@ class ErrorStateEkf(GnssImuFilter):
         record = self._records.setdefault(stream, IncrementRecord(gate))
         if status == FALLBACK:
             record.acquit()
-        trial, user = self._trial, self._trial.user
+        trial, user = self._trial, self._user
         noise = record.take(
             user.stamp_s,
             innovation.residual,

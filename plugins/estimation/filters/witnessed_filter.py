@@ -7,6 +7,7 @@ from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.filters.cloning_filter import CloningFilter
 from executive_plugins.estimation.gate.innovation_record import DOUBTED, InnovationRecord
 from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.gate.odometry_trial import COMPARED
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import linear_covariance
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -18,7 +19,6 @@ from executive.arrays import Float
 from executive.geometry.rotation import log_so3
 
 _NO_CLOCK = ClockOffset()
-_COMPARED = 9  # rotation, velocity and position
 
 
 class WitnessedFilter(CloningFilter):
@@ -90,11 +90,12 @@ class WitnessedFilter(CloningFilter):
         apart = [turn, other.v_map_imu - own.v_map_imu, other.p_map_imu - own.p_map_imu]
         loose = max(self, self.other, key=lambda one: float(np.trace(one.covariance[:9, :9])))
         covariance = linear_covariance(loose.state, loose.covariance)
-        return squared_distance(covariance[:_COMPARED, :_COMPARED], np.concatenate(apart))
+        return squared_distance(covariance[:COMPARED, :COMPARED], np.concatenate(apart))
 
     def renew_other(self) -> None:
-        """Let the second filter be as the first is."""
+        """Let the second filter be as the first is, without a clone until it uses odometry."""
         self.other.become(self)
+        self.other.drop_clone()
         for own, other in self._records:
             other.block[:] = own.block
 

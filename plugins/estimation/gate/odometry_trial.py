@@ -1,13 +1,30 @@
 """Whether odometry is used: by what separates a filter that uses it from one that does not."""
 
 from functools import lru_cache
+from typing import Protocol
 
-from executive_plugins.estimation.filters.cloning_filter import CloningFilter
-from executive_plugins.estimation.filters.witnessed_filter import WitnessedFilter
 from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary, usual_size
 from scipy.stats import chi2
 
 _ORDINARY = usual_size(3)
+COMPARED = 9  # errors of rotation, velocity and position
+
+
+class Pair(Protocol):
+    """Two estimates that differ by the odometry alone: the one that is reported, and another."""
+
+    @property
+    def stamp_s(self) -> float:
+        """Their time [s]."""
+
+    def renew_other(self) -> None:
+        """Let the second be as the first is."""
+
+    def exchange(self) -> None:
+        """Let each be as the other one is."""
+
+    def separation2(self) -> float:
+        """Return their squared distance in the larger covariance."""
 
 
 class OdometryTrial:
@@ -23,7 +40,7 @@ class OdometryTrial:
         trusts: Whether the filter that is reported uses odometry.
     """
 
-    def __init__(self, pair: WitnessedFilter, trusted_after_s: float) -> None:
+    def __init__(self, pair: Pair, trusted_after_s: float) -> None:
         """Trust odometry at first.
 
         Args:
@@ -34,11 +51,6 @@ class OdometryTrial:
         self._pair, self._trusted_after_s = pair, trusted_after_s
         self._is_witness = False  # whether the second filter is free of odometry, or of doubt
         self._since_s, self._is_apart = pair.stamp_s, False
-
-    @property
-    def user(self) -> CloningFilter:
-        """The filter that uses odometry."""
-        return self._pair if self.trusts else self._pair.other
 
     def dismiss(self) -> None:
         """Let nothing be decided until the second filter has begun anew."""
@@ -55,11 +67,8 @@ class OdometryTrial:
 
     def _restart(self) -> None:
         """Let both filters be the one that is reported."""
-        pair = self._pair
-        pair.renew_other()
-        if self.trusts:
-            pair.other.drop_clone()
-        self._is_witness, self._since_s = True, pair.stamp_s
+        self._pair.renew_other()
+        self._is_witness, self._since_s = True, self._pair.stamp_s
 
     def conclude(self, is_refuted: bool, period_s: float) -> None:
         """Compare both after an increment, and exchange them if that decides who is reported.
@@ -110,4 +119,16 @@ class OdometryTrial:
 @lru_cache(maxsize=64)
 def separation_limit(period_s: float) -> float:
     """Return the bound on a squared separation that chance exceeds once in `FALSE_ALARM_S`."""
-    return float(chi2.isf(period_s / FALSE_ALARM_S, 9))
+    return float(chi2.isf(period_s / FALSE_ALARM_S, COMPARED))
+
+
+def drift2(steps: float, drift_m: float) -> float:
+    """Return what an increment adds to the variance of the way since the last fix [m²].
+
+    An error b of each increment is k b after k of them, so that the k-th adds (2 k − 1) b².
+
+    Args:
+        steps: Number of increments since the last fix, k.
+        drift_m: Standard deviation of the error that all increments share [m].
+    """
+    return (2.0 * max(1.0, steps) - 1.0) * drift_m**2
