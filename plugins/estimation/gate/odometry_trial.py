@@ -1,4 +1,4 @@
-"""Whether odometry is used: by what separates a filter that uses it from one that does not."""
+"""Whether odometry is used: by what separates an estimate that uses it from one that does not."""
 
 from functools import lru_cache
 from typing import Protocol
@@ -28,32 +28,32 @@ class Pair(Protocol):
 
 
 class OdometryTrial:
-    """Keeps one of two filters free of odometry, and reports it once odometry separates them.
+    """Keeps one of two estimates free of odometry, and reports it once odometry separates them.
 
-    While fixes hold the state, odometry that is wrong moves the filter that uses it out of the
+    While fixes hold the state, odometry that is wrong moves the estimate that uses it out of the
     covariance of the other, however it errs. The other is untouched by that error: it is reported
     from then on, and the first begins anew from it. When both have stayed together for long enough,
-    the filter that uses odometry is reported again. Without fixes, nothing but odometry holds the
+    the estimate that uses odometry is reported again. Without fixes, nothing but odometry holds the
     state, and it is used. A state that is in doubt, by fixes, decides nothing.
 
     Attributes:
-        trusts: Whether the filter that is reported uses odometry.
+        trusts: Whether the estimate that is reported uses odometry.
     """
 
     def __init__(self, pair: Pair, trusted_after_s: float) -> None:
         """Trust odometry at first.
 
         Args:
-            pair: Both filters.
+            pair: Both estimates.
             trusted_after_s: Time together after which odometry is used again [s].
         """
         self.trusts = True
         self._pair, self._trusted_after_s = pair, trusted_after_s
-        self._is_witness = False  # whether the second filter is free of odometry, or of doubt
+        self._is_witness = False  # whether the second is free of odometry, or of doubt
         self._since_s, self._is_apart = pair.stamp_s, False
 
     def dismiss(self) -> None:
-        """Let nothing be decided until the second filter has begun anew."""
+        """Let nothing be decided until the second has begun anew."""
         self._is_witness = False
 
     def trust(self) -> None:
@@ -66,7 +66,7 @@ class OdometryTrial:
             self._restart()
 
     def _restart(self) -> None:
-        """Let both filters be the one that is reported."""
+        """Let both be the one that is reported."""
         self._pair.renew_other()
         self._is_witness, self._since_s = True, self._pair.stamp_s
 
@@ -92,14 +92,14 @@ class OdometryTrial:
         self.trusts = not self.trusts
 
     def takes_fix(self, is_contradicted: bool, other2: float | None) -> bool:
-        """Take what a fix says of both filters; return whether the other one explains it alone.
+        """Take what a fix says of both; return whether the other one explains it alone.
 
-        A fix that is ordinary for one filter and contradicts the other tells which of them is
+        A fix that is ordinary for one and contradicts the other tells which of them is
         wrong, be it odometry or the inertial samples that have failed. One that is ordinary for
-        none is in doubt itself: then odometry is used, unless it separates both filters now.
+        none is in doubt itself: then odometry is used, unless it separates both now.
 
         Args:
-            is_contradicted: Whether the fix contradicts the filter that is reported.
+            is_contradicted: Whether the fix contradicts the estimate that is reported.
             other2: Squared distance of the fix from the other; None if it contradicts that one.
         """
         if not self._is_witness:

@@ -39,7 +39,8 @@ class GnssGateSettings(Settings):
         0.01,
         ge=0,
         le=0.5,
-        description="Drift of the estimate in fallback as a share of the distance travelled.",
+        description="Drift of odometry as a share of the distance travelled; of the estimate in "
+        "fallback as well.",
     )
     odometry_drift_m_s: float = Field(
         0.01, ge=0, le=1, description="Drift of the estimate in fallback per second [m/s]."
@@ -54,7 +55,8 @@ class GnssGateSettings(Settings):
         10.0,
         gt=0,
         le=600,
-        description="Fixes that agree for this time are used whatever their position [s].",
+        description="Fixes that agree for this time are used whatever their position, and odometry "
+        "that has failed is used again after it has agreed for as long [s].",
     )
     unlock_after_s: Seconds = Field(
         60.0,

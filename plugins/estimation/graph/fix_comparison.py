@@ -21,10 +21,12 @@ from executive.geometry.pose import inverse, pose, transform
 _SCAN_S = 0.3  # longest time between a fix and the scan whose odometry it is compared with
 
 
-def compared(fix: Fix, window: GraphWindow, chain: LidarChain, noise: InertialNoise) -> Compared:
+def compared(
+    fix: Fix, window: GraphWindow, chain: LidarChain | None, noise: InertialNoise
+) -> Compared:
     """Compare a fix with the estimate of a window, and with the odometry alone.
 
-    Without a recent scan, the estimate takes the place of the odometry.
+    Without odometry or a recent scan, the estimate takes the place of the odometry.
     """
     state, P = predicted(window, fix.stamp_s, noise)
     clock = _clock_at(window, state)
@@ -34,7 +36,7 @@ def compared(fix: Fix, window: GraphWindow, chain: LidarChain, noise: InertialNo
     S, late_m = known + covariance, np.zeros(3)
     if by_clock is not None:
         late_m = -by_clock * (clock.offset_s - fix.late_s)
-    scan = chain.before(fix.stamp_s, _SCAN_S)
+    scan = None if chain is None else chain.before(fix.stamp_s, _SCAN_S)
     if scan is None or scan[0] <= window.oldest_s:
         slack_m = 3 * float(np.sqrt(np.linalg.eigvalsh(known)[-1]))
         p_antenna = fix.p_map_antenna + late_m - residual

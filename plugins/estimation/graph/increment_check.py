@@ -48,6 +48,16 @@ class IncrementCheck:
         )
         return None if covariance is None else replace(increment, covariance=covariance)
 
+    @property
+    def is_wrong(self) -> bool:
+        """Whether the odometry is refused by its newest innovations."""
+        return self._record.is_wrong
+
+    @property
+    def period_s(self) -> float:
+        """Usual time between two increments [s]."""
+        return self._record.period_s
+
     def acquit(self) -> None:
         """Use the odometry of a present lean again: without fixes, nothing else holds the state."""
         self._record.acquit()

@@ -1,17 +1,12 @@
-"""The two factor graphs, from measurements to estimates (Nubert 2022, Sec. IV-C)."""
+"""The factor graphs, from measurements to estimates (Nubert 2022, Sec. IV-C)."""
 
 from bisect import insort
 from collections import Counter
 from dataclasses import replace
 
 import numpy as np
-from executive_plugins.estimation.factors import (
-    GAP_ACCELERATION_M_S2,
-    GAP_RATE_RAD_S,
-    between_factor,
-)
+from executive_plugins.estimation.factors import GAP_ACCELERATION_M_S2, GAP_RATE_RAD_S
 from executive_plugins.estimation.gate.gnss_gate import Compared, GnssGate
-from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.measurements import (
     Fix,
     Increment,
@@ -19,25 +14,21 @@ from executive_plugins.estimation.gate.measurements import (
     PendingMeasurement,
     Standstill,
 )
-from executive_plugins.estimation.gate.stream_period import StreamPeriod
 from executive_plugins.estimation.graph.chain_anchor import ChainAnchor
 from executive_plugins.estimation.graph.fix_comparison import compared, predicted
+from executive_plugins.estimation.graph.fix_watch import FixWatch
 from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
-from executive_plugins.estimation.graph.increment_check import IncrementCheck
 from executive_plugins.estimation.graph.lidar_chain import LidarChain
+from executive_plugins.estimation.graph.odometry_use import OdometryUse
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.standstill_check import StandstillCheck
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
-from executive_plugins.estimation.inertial.state import Inertial, InertialState
-from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.live.estimate import Estimate
 from executive_plugins.estimation.live.modes import Mode, Modes
 
-from executive.arrays import Float
-
-_FIX, _STANDING = "fix", "standing"
 _BREAK_S = 0.3  # a longer gap of samples is not integrated
 
 
@@ -58,20 +49,21 @@ class GraphSmoother:
         self._noise = noise
         self._samples = SampleBuffer()
         self._samples.append(first.state.sample)
-        self._main = self._window_of(first)
+        self._odometry = OdometryUse(settings, noise, self._window_of(first))
         self._fallback: GraphWindow | None = None
         self._last_good = first
         self._modes = Modes()
         self._gate = GnssGate(settings.gate)
-        self._increments = IncrementCheck(noise, settings.increment_gate)
-        self._fix_alarm, self._fix_period = InnovationAlarm(3), StreamPeriod()
+        self._fixes = FixWatch(settings, first.state.stamp_s)
         self._chain = LidarChain()
         self._anchor = ChainAnchor(settings)
         self._waiting: list[PendingMeasurement] = []
         self._refused: Counter[str] = Counter()
-        self._used_fix_s = first.state.stamp_s
-        self._used_fix_way_m = 0.0
         self._standing = StandstillCheck(settings)
+
+    @property
+    def _main(self) -> GraphWindow:
+        return self._odometry.pair.main
 
     @property
     def _leading(self) -> GraphWindow:
@@ -90,21 +82,22 @@ class GraphSmoother:
         Its first state is the propagated one, with its covariance inflated.
         """
         gap_s = after_s - before_s
-        widened = ErrorStateFilter(
-            self._leading.state_at(after_s), self._leading.covariance, self._noise
+        state, P = self._leading.state_at(after_s), self._leading.covariance
+        propagated = replace(self._last_good, state=state, covariance=P)
+        self._begin_again(
+            propagated.widened(
+                self._noise,
+                0.5 * GAP_ACCELERATION_M_S2 * gap_s**2,
+                GAP_ACCELERATION_M_S2 * gap_s,
+                GAP_RATE_RAD_S * gap_s,
+            )
         )
-        widened.inflate(
-            0.5 * GAP_ACCELERATION_M_S2 * gap_s**2,
-            GAP_ACCELERATION_M_S2 * gap_s,
-            GAP_RATE_RAD_S * gap_s,
-        )
-        self._begin_again(widened.state, widened.covariance)
-        self._used_fix_s = max(self._used_fix_s, after_s)  # no fix could be used during the gap
+        self._fixes.used_s = max(self._fixes.used_s, after_s)  # none could be used during the gap
 
-    def _begin_again(self, state: InertialState, P: Float) -> None:
-        """Start new graphs at a state; the measurements in the window are lost."""
-        self._last_good = replace(self._last_good, state=state, covariance=P)
-        self._main = self._window_of(self._last_good)
+    def _begin_again(self, first: GraphEstimate) -> None:
+        """Start new graphs at an estimate; the measurements in the window are lost."""
+        self._last_good = first
+        self._odometry.begin_with(self._window_of(first))
         if self._fallback is not None:
             self._fallback = self._main.copy()
             self._anchor.clear()
@@ -134,6 +127,8 @@ class GraphSmoother:
         try:
             self._advance(self._samples.newest_s)
             self._solve()
+            if self._odometry.conclude():
+                self._gate.forget_odometry()
         except UnsolvableError:
             self._rebuild()
         # The fallback graph's own covariance does not include the error of its anchor.
@@ -154,7 +149,8 @@ class GraphSmoother:
                 window.node_at(now_s)
 
     def _windows(self) -> tuple[GraphWindow, ...]:
-        return (self._main,) if self._fallback is None else (self._main, self._fallback)
+        both = self._odometry.pair.both
+        return both if self._fallback is None else (*both, self._fallback)
 
     def _solve(self) -> None:
         for window in self._windows():
@@ -165,7 +161,7 @@ class GraphSmoother:
     def _rebuild(self) -> None:
         """Start new graphs at the last good estimate."""
         self._refused["smoother: rebuilt"] += 1
-        self._begin_again(self._last_good.state, self._last_good.covariance)
+        self._begin_again(self._last_good)
 
     def _take(self, measurement: Measurement) -> None:
         if measurement.stamp_s <= self._leading.oldest_s:
@@ -183,30 +179,15 @@ class GraphSmoother:
             self._take_standing(measurement)
 
     def _take_standing(self, standing: Standstill) -> None:
-        """Use a standstill, unless the estimate contradicts it.
-
-        After a contradiction, the standstills shortly before it are removed as well.
-        """
+        """Use a standstill, unless the estimate contradicts it."""
         state, P = predicted(self._leading, standing.stamp_s, self._noise)
-        if self._standing.contradicts(standing, state, P):
-            for window in self._windows():
-                window.take_back(_STANDING, standing.stamp_s - self._settings.standing_doubt_s)
-        if self._standing.is_accepted(standing.stamp_s):
-            for window in self._windows():
-                node = window.node_at(standing.stamp_s)
-                window.add(
-                    _STANDING, standing.stamp_s, self._standing.factors(node, standing, state)
-                )
+        self._standing.take(standing, state, P, self._windows())
 
     def _take_increment(self, increment: Increment) -> None:
-        if increment.from_s > self._main.oldest_s:
-            admitted = self._increments.admitted(increment, self._main, self._fixes_hold())
-            if admitted is None:
-                self._refused["odometry: outlier"] += 1
-                return  # the next increment begins a new chain
-            nodes = self._main.node_at(increment.from_s), self._main.node_at(increment.stamp_s)
-            factor = between_factor(*nodes, increment.T_from_to, admitted.covariance)
-            self._main.add("lidar", increment.stamp_s, [factor])
+        since_fix_s = self._fixes.drifting_s(increment.stamp_s)
+        if not self._odometry.add(increment, since_fix_s, self._fixes_hold()):
+            self._refused["odometry: outlier"] += 1
+            return  # the next increment begins a new chain
         begun = self._chain.begun
         self._chain.add(increment)
         if self._chain.begun != begun:
@@ -221,17 +202,20 @@ class GraphSmoother:
 
         Fixes that drift contradict odometry as well; they contradict the estimate first.
         """
-        return not (self._modes.is_fallen_back or self._fix_alarm.is_raised)
+        return not (self._modes.is_fallen_back or self._fixes.contradicts)
 
     def _take_fix(self, fix: Fix) -> None:
         compared = self._compared(fix)
-        self._fix_period.add(fix.stamp_s)
-        gate, period_s = self._settings.gate.innovation, self._fix_period.period_s
-        self._fix_alarm.add(compared.residual, compared.covariance, gate, period_s)
+        self._fixes.add(compared)
         if self._modes.is_fallen_back:
             self._recover(compared)
             return
         refusal = self._gate.refusal(compared)
+        if "drifted" in refusal:
+            self._odometry.end_trial()  # who has drifted was decided by the gate
+        elif self._odometry.takes_fix(fix, bool(refusal)):
+            self._gate.forget_odometry()
+            refusal = ""
         if refusal:
             self._refuse(fix, refusal)
             return
@@ -241,27 +225,20 @@ class GraphSmoother:
     def _refuse(self, fix: Fix, refusal: str) -> None:
         self._refused[f"{fix.antenna}: outlier"] += 1
         if "drifted" in refusal:  # the other fixes of the window have drifted as well
-            self._main.take_back(_FIX, fix.stamp_s - self._settings.gate.window_s)
+            self._odometry.pair.take_back_fixes(fix.stamp_s - self._settings.gate.window_s)
         self._modes.change(fix.stamp_s, Mode.SUSPECT, f"{fix.antenna} {refusal}")
-        if fix.stamp_s - self._used_fix_s > self._fallback_after_s:
+        if fix.stamp_s - self._fixes.used_s > self._fixes.fallback_after_s:
             self._fall_back(fix.stamp_s, f"{fix.antenna} {refusal}")
 
     def _use(self, fix: Fix) -> None:
-        self._main.add(_FIX, fix.stamp_s, [self._main.factor_of(fix)])
-        self._used_fix_s = max(self._used_fix_s, fix.stamp_s)
-        self._used_fix_way_m = self._chain.way_m
-
-    @property
-    def _fallback_after_s(self) -> float:
-        """Time without a used fix until FALLBACK: fixes that come seldom are not missing."""
-        return max(self._settings.fallback_after_s, self._fix_period.missing_after_s)
+        self._odometry.pair.add_fix(fix)
+        self._fixes.use(fix.stamp_s, self._chain.way_m)
 
     def _watch_silence(self, now_s: float) -> None:
-        silent_s = now_s - self._used_fix_s
-        suspect_after_s = max(self._settings.suspect_after_s, self._fix_period.overdue_after_s)
-        if self._modes.current == Mode.GLOBAL and silent_s > suspect_after_s:
+        silent_s = now_s - self._fixes.used_s
+        if self._modes.current == Mode.GLOBAL and silent_s > self._fixes.suspect_after_s:
             self._modes.change(now_s, Mode.SUSPECT, f"no fix for {silent_s:.1f} s")
-        if self._modes.current == Mode.SUSPECT and silent_s > self._fallback_after_s:
+        if self._modes.current == Mode.SUSPECT and silent_s > self._fixes.fallback_after_s:
             self._fall_back(now_s, f"no good fix for {silent_s:.1f} s")
 
     def _fall_back(self, stamp_s: float, reason: str) -> None:
@@ -271,7 +248,7 @@ class GraphSmoother:
         """
         self._modes.change(stamp_s, Mode.FALLBACK, reason)
         self._gate.begin_recovery()
-        self._increments.acquit()
+        self._odometry.rely()
         if self._settings.fallback == "relative":
             return
         self._solve()  # without the fixes that were removed
@@ -284,13 +261,13 @@ class GraphSmoother:
     def _recover(self, compared: Compared) -> None:
         fix = compared.fix
         self._refused[f"{fix.antenna}: during recovery"] += 1
-        if not self._gate.is_in_line(compared, self._fix_period.missing_after_s):
+        if not self._gate.is_in_line(compared, self._fixes.missing_after_s):
             self._modes.change(
                 fix.stamp_s, Mode.FALLBACK, f"{fix.antenna} disagrees with those before it"
             )
             return
         self._modes.change(fix.stamp_s, Mode.RECOVERING, f"{fix.antenna} is back")
-        reason = self._gate.verdict(self._chain.way_m - self._used_fix_way_m, self._used_fix_s)
+        reason = self._gate.verdict(self._chain.way_m - self._fixes.used_way_m, self._fixes.used_s)
         if not reason:
             return
         agreed = self._gate.agreed(self._leading.oldest_s + 0.1)
@@ -302,21 +279,22 @@ class GraphSmoother:
         self._modes.change(fix.stamp_s, Mode.GLOBAL, reason)
 
     def _compared(self, fix: Fix) -> Compared:
-        return compared(fix, self._leading, self._chain, self._noise)
+        chain = self._chain if self._odometry.is_trusted else None
+        return compared(fix, self._leading, chain, self._noise)
 
-    def _return_to_main(self, first: Compared) -> None:
+    def _return_to_main(self, agreed: Compared) -> None:
         """Use the main graph again after an outage.
 
         If it has drifted by more than its covariance allows, it is started again at the leading
         estimate with an inflated covariance.
         """
         leading, self._fallback = self._leading, None
-        stamp_s = first.fix.stamp_s
-        own = self._compared(first.fix)
+        by_main = self._compared(agreed.fix)
         self._gate.forget_odometry()
-        if own.distance2 < self._settings.gate.innovation:
+        if by_main.distance2 < self._settings.gate.innovation:
             return
-        state = leading.state_at(stamp_s)
-        widened = ErrorStateFilter(state, leading.covariance, self._noise)
-        widened.inflate(float(np.linalg.norm(first.residual)) + 0.1, 0.5, 0.1)
-        self._main = self._window_of(GraphEstimate(state, widened.covariance, self._main.clock))
+        state = leading.state_at(agreed.fix.stamp_s)
+        own = GraphEstimate(state, leading.covariance, self._main.clock)
+        off_m = float(np.linalg.norm(agreed.residual))
+        first = own.widened(self._noise, off_m + 0.1, 0.5, 0.1)
+        self._odometry.begin_with(self._window_of(first))

@@ -1,15 +1,20 @@
 """Measurements of a chassis at rest: when they are used, and their factors."""
 
+from collections.abc import Sequence
+
 import gtsam
 import numpy as np
 from executive_plugins.estimation.factors import gyro_bias_factor, velocity_factor
 from executive_plugins.estimation.gate.measurements import Standstill
 from executive_plugins.estimation.graph.settings import SmootherSettings
+from executive_plugins.estimation.graph.window import GraphWindow
 from executive_plugins.estimation.inertial.measurement_models import standstill_residual
 from executive_plugins.estimation.inertial.state import InertialState
 
 from executive.arrays import Float
 from executive.geometry.rotation import skew
+
+_STANDING = "standing"
 
 
 class StandstillCheck:
@@ -23,6 +28,32 @@ class StandstillCheck:
     def __init__(self, settings: SmootherSettings) -> None:
         self._settings = settings
         self._contradicted_s = -np.inf
+
+    def take(
+        self,
+        standing: Standstill,
+        state: InertialState,
+        P: Float,
+        windows: Sequence[GraphWindow],
+    ) -> None:
+        """Add a standstill to graphs, unless the estimate contradicts it.
+
+        After a contradiction, the standstills shortly before it are removed as well.
+
+        Args:
+            standing: The measurement.
+            state: The estimate at its time.
+            P: Covariance of the estimate's error, shape (15, 15).
+            windows: The graphs.
+        """
+        stamp_s = standing.stamp_s
+        if self.contradicts(standing, state, P):
+            for window in windows:
+                window.take_back(_STANDING, stamp_s - self._settings.standing_doubt_s)
+        if self.is_accepted(stamp_s):
+            for window in windows:
+                node = window.node_at(stamp_s)
+                window.add(_STANDING, stamp_s, self.factors(node, standing, state))
 
     def contradicts(self, standing: Standstill, state: InertialState, P: Float) -> bool:
         """Return whether the estimate, with its covariance (15, 15), shows motion."""

@@ -270,7 +270,7 @@ def test_silence_is_told_once_it_is_longer_than_allowed(after_s: float, modes: l
     """Times are multiples of 2⁻⁸ s, which numbers of the computer hold exactly."""
     rest = AtRest(suspect_after_s=0.5, fallback_after_s=1.0)
     smoother = rest.smoother
-    smoother._used_fix_s = 2.0
+    smoother._fixes.used_s = 2.0
     for now_s in (2.25, min(2.0 + after_s, 2.75), 2.0 + after_s):
         smoother._watch_silence(now_s)
     assert [change.after for change in smoother._modes.changes] == modes

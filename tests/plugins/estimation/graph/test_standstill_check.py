@@ -44,3 +44,28 @@ def test_a_sensor_that_swings_about_the_turn_axis_counts_as_at_rest(belief) -> N
     rate = np.array([0.0, 0.0, 0.8])
     swinging = moving(-np.cross(rate, ARM), rate)
     assert not belief.contradicts(Standstill(1.0, ARM, None), swinging, known(0.001))
+
+
+class Recorded:
+    """Records which standstills a graph is given, and which it shall remove."""
+
+    def __init__(self) -> None:
+        self.added, self.removed_after = [], []
+
+    def node_at(self, stamp_s: float) -> int:
+        return 0
+
+    def add(self, kind, stamp_s, factors) -> None:
+        self.added.append((kind, stamp_s))
+
+    def take_back(self, kind, after_s) -> None:
+        self.removed_after.append((kind, after_s))
+
+
+def test_a_standstill_is_given_to_each_graph_and_removed_after_a_contradiction(belief) -> None:
+    graphs = [Recorded(), Recorded()]
+    belief.take(Standstill(1.0, ARM, None), moving([0, 0, 0]), known(0.01), graphs)
+    belief.take(Standstill(2.0, ARM, None), moving([0.2, 0, 0]), known(0.01), graphs)
+    for graph in graphs:
+        assert graph.added == [("standing", 1.0)]
+        assert graph.removed_after == [("standing", 1.0)]
