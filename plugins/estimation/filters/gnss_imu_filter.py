@@ -22,7 +22,7 @@ from executive_plugins.estimation.gate.stream_period import StreamPeriod
 from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import compared
-from executive_plugins.estimation.kalman.held_clock import HeldClock
+from executive_plugins.estimation.kalman.held_clock import HeldClock, shows_clock
 from executive_plugins.estimation.kalman.judged_fix import USED
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.start.found import Found
@@ -192,15 +192,18 @@ class GnssImuFilter(CabinEstimator):
         prediction is wrong, its covariance grows by a step of the sensor's biases that explains
         them.
         """
-        record = self._innovations[fix.antenna]
-        is_learnt = kalman.has_clock and not self._clock.is_held(kalman)
+        record, usual_s = self._innovations[fix.antenna], self._periods[fix.antenna].period_s
+        is_learnt = (
+            kalman.has_clock
+            and not self._clock.is_held(kalman)
+            and shows_clock(kalman, fix.arm_imu, usual_s / len(self._periods))
+        )
         clock_s = kalman.clock_s if is_learnt else 0.0
         said = kalman.use_fix(record.block, fix, late_s, not is_learnt)
         if not said & DOUBTED:
             if is_learnt:
                 self._clock.remember(kalman.stamp_s, clock_s)
             return bool(said & USED)
-        usual_s = self._periods[fix.antenna].period_s
         if record.is_alarmed or record.is_biased:
             how = "farther from" if record.is_alarmed else "farther to one side of"
             words = f"fixes of {fix.antenna} lie {how} the prediction than their covariance"

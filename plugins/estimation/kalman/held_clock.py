@@ -1,8 +1,16 @@
-"""When a filter estimates the receiver's clock: only while all innovations are explained."""
+"""When a filter estimates the receiver's clock: in motion, while all innovations are explained."""
 
 from collections import deque
+from functools import lru_cache
 
+import numpy as np
+from executive_plugins.estimation.cholesky import squared_distance
+from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
+from executive_plugins.estimation.inertial.state import VELOCITY
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from scipy.stats import chi2
+
+from executive.arrays import Float
 
 _REMEMBERED_S = 20.0  # six fixes of the slowest receivers
 
@@ -46,3 +54,30 @@ class HeldClock:
             before = [clock_s for at_s, clock_s in self._clocks if at_s <= now_s - since_s]
             kalman.restore_clock(before[-1] if before else self._clocks[0][1])
         kalman.holds_clock, self._doubted_s = True, now_s
+
+
+def shows_clock(kalman: ErrorStateFilter, arm_imu: Float, period_s: float) -> bool:
+    """Return whether an antenna moves, beyond what chance makes of one at rest.
+
+    A fix tells the clock by the antenna's velocity. Of one at rest only the error of the estimated
+    velocity is seen, and a linear filter takes each fix for information by as much: at fifty fixes
+    a second, the clock was wrong by seven deviations within a second.
+
+    Args:
+        kalman: The filter.
+        arm_imu: The antenna in IMU axes [m], shape (3,).
+        period_s: Usual time between two fixes [s].
+    """
+    state = kalman.state
+    velocity_imu = state.R_map_imu.T @ state.v_map_imu + np.cross(state.rate, arm_imu)
+    covariance = kalman.covariance[VELOCITY, VELOCITY]  # in IMU axes, see `exponential`
+    return squared_distance(covariance, velocity_imu) > motion_limit(binary(period_s))
+
+
+@lru_cache(maxsize=64)
+def motion_limit(period_s: float) -> float:
+    """Return the bound on a squared velocity that chance exceeds at rest once in `FALSE_ALARM_S`.
+
+    The velocity is that in deviations of its three components.
+    """
+    return float(chi2.isf(period_s / FALSE_ALARM_S, 3))

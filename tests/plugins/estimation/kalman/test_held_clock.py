@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import DIMENSION, Inertial, InertialState
+from executive_plugins.estimation.inertial.state import (
+    DIMENSION,
+    VELOCITY,
+    Inertial,
+    InertialState,
+)
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.kalman.held_clock import HeldClock
+from executive_plugins.estimation.kalman.held_clock import HeldClock, motion_limit, shows_clock
+from scipy.stats import chi2
 
 Z, UP = np.zeros(3), np.array([0.0, 0.0, 9.81])
 NOISE = InertialNoise(1e-3, 1e-2, 1e-6, 1e-5, 1e-2, 9.81, 1e-3)
@@ -75,3 +81,34 @@ def test_after_a_gap_in_the_samples_it_is_held_as_well(kalman) -> None:
     assert kalman.holds_clock
     follow(clock, at(kalman, 11.5, 0.0))
     assert not kalman.holds_clock
+
+
+def moving(v: np.ndarray, rate: np.ndarray, std_m_s: float) -> ErrorStateFilter:
+    """Return a filter with an estimated velocity, turned by a quarter about the vertical."""
+    R = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    state = InertialState(Inertial(0.0, rate, UP, 0.01), R, Z, v, Z, Z)
+    P = np.eye(DIMENSION)
+    P[VELOCITY, VELOCITY] *= std_m_s**2
+    return ErrorStateFilter(state, P, NOISE, ClockOffset(0.0, 0.1, np.zeros(15)))
+
+
+ARM = np.array([0.0, 1.0, 0.5])
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_an_antenna_shows_the_clock_only_if_it_moves_more_than_chance_makes_of_rest(axis) -> None:
+    limit = np.sqrt(motion_limit(0.125))
+    v = np.eye(3)[axis] * 0.02
+    assert not shows_clock(moving(0.95 * limit * v, Z, 0.02), ARM, 0.2)
+    assert shows_clock(moving(1.05 * limit * v, Z, 0.02), ARM, 0.2)
+    assert not shows_clock(moving(1.05 * limit * v, Z, 0.03), ARM, 0.2)
+
+
+def test_an_antenna_that_swings_about_the_sensor_shows_the_clock() -> None:
+    swing = np.array([0.0, 0.0, 0.5])
+    assert shows_clock(moving(Z, swing, 0.02), ARM, 0.2)
+    assert not shows_clock(moving(Z, swing, 0.02), np.array([0.0, 0.0, 0.5]), 0.2)
+
+
+def test_chance_moves_an_antenna_at_rest_once_an_hour() -> None:
+    assert chi2.sf(motion_limit(0.125), 3) * 3600 / 0.125 == pytest.approx(1.0)
