@@ -74,11 +74,15 @@ class PointGrid:
         distances, rows = self._nearest(queries, 1, reach_m)
         return distances[:, 0], rows[:, 0]
 
-    def distances_m(self, queries: Float, count: int) -> Float:
-        """Return the distances of the nearest points, the nearest first [m], shape (M, count); inf
-        where there are fewer points.
+    def several(self, queries: Float, count: int) -> tuple[Float, Int]:
+        """Return the distances of the nearest points [m] and their rows, the nearest first, each of
+        shape (M, count); inf and N where there are fewer points.
         """
-        return self._nearest(queries, count, np.inf)[0]
+        return self._nearest(queries, count, np.inf)
+
+    def distances_m(self, queries: Float, count: int) -> Float:
+        """Return the distances of the nearest points as `several` does, shape (M, count)."""
+        return self.several(queries, count)[0]
 
     def _nearest(self, queries: Float, count: int, reach_m: float) -> tuple[Float, Int]:
         asked = read_only(np.asarray(queries, dtype=np.float64))

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-import small_gicp
 from executive_plugins.alignment.settings import AlignmentSettings
+from executive_plugins.alignment.surface import HOLDS, Surface
 
 from executive.arrays import Float
 from executive.geometry.point_grid import PointGrid
@@ -13,23 +13,22 @@ from executive.messages.alignment import Uncertainty
 # Root mean square distance to the nearest of points on a square grid, in its edge: 1 / sqrt(6).
 _DENSE = 0.4
 _PATCH_M = 0.25  # edge of the patches whose points are one observation
-_CELL = 3.0  # edge of the cells in which points are looked up, in that of the thinning: fastest
 _LEAST_STD_M = 0.005  # of residuals across the surface
 _WEAK = 4.0  # standard deviation of a weak direction, in that of the best determined one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Closeness:
-    """Offsets of source points that have a target point within the gate's distance.
+    """Offsets of source points that overlap with the target within the gate's distance.
 
     Attributes:
-        rmse_m: Root mean square distance to the nearest target point [m].
+        rmse_m: Root mean square distance to the nearest target point, of those that have one [m].
         judged_m: The same without what the distance of the target's points explains [m].
         dense_m: The same as if the target were as dense as the grid [m].
-        overlap: Share of the source's points that have a target.
-        points: The source points that have one, in the target's frame [m], shape (N, 3).
+        overlap: Share of the source's points that have a target point, or lie on a plane of it.
+        points: These source points, in the target's frame [m], shape (N, 3).
         normals: Of the target's surface there, shape (N, 3).
-        across_m: Root mean square distance across the surface [m].
+        across_m: Root mean square distance across the surface, of all that overlap [m].
         voxel_m: Grid to which the points are thinned [m].
     """
 
@@ -61,46 +60,57 @@ class Closeness:
 
 def measure(
     target: Float,
-    surface: small_gicp.PointCloud,
+    surface: Surface,
     source: Float,
     grid_m: float,
     settings: AlignmentSettings,
-    apart_m: float = 0.0,
 ) -> Closeness:
-    """Compare a source, thinned to a grid, with the target, whose normals are those of its surface.
+    """Compare a source, thinned to a grid, with the target and its surface.
 
     The distance to the nearest target point has a part across the surface, and one along it, which
-    is as large as the gaps between the target's points. Of the latter, what points so far apart
-    have anyhow is not held against the fit; with `discount_gaps` none is beyond what a target as
-    dense as the grid would have.
+    is as large as the gaps between the target's points. Of the latter, what points as far apart as
+    their planes hold have anyhow is not held against the fit; with `discount_gaps` none is beyond
+    what a target as dense as the grid would have. A source point farther from the target's points
+    overlaps with it as well if it lies on a plane of theirs, as between two lines of a lidar.
     """
-    thinned = small_gicp.voxelgrid_sampling(source, grid_m, 1).points()[:, :3]
-    distances, rows = PointGrid(target, settings.voxel_m).nearest(thinned, settings.gate_distance_m)
-    near = np.isfinite(distances)
-    if not near.any():
+    gate_m = settings.gate_distance_m
+    distances, rows = PointGrid(target, settings.voxel_m).nearest(source, gate_m)
+    is_near = np.isfinite(distances)
+    near = source[is_near]
+    if not len(near):
         none = np.empty((0, 3))
-        limit_m = settings.gate_distance_m
-        return Closeness(limit_m, limit_m, limit_m, 0.0, none, none, limit_m, grid_m)
-    feet = target.take(rows[near], axis=0)
-    # The mean of the points in a cell is nearer to each of them than the cell's diagonal.
-    even = PointGrid(np.array(surface.points()[:, :3]), _CELL * settings.voxel_m)
-    nearest = even.nearest(feet, 2 * settings.voxel_m)[1]
-    normals = surface.normals().take(nearest, axis=0)[:, :3].copy()
-    across = np.einsum("ij,ij->i", thinned[near] - feet, normals)
-    square = float(np.mean(distances[near] ** 2))
-    square_across = float(np.mean(across**2))
+        return Closeness(gate_m, gate_m, gate_m, 0.0, none, none, gate_m, grid_m)
+    feet = target.take(rows[is_near], axis=0)
+    normals, radii_m = surface.planes(surface.nearest(feet))
+    across = np.einsum("ij,ij->i", near - feet, normals)
+    square, square_across = float(np.mean(distances[is_near] ** 2)), float(np.mean(across**2))
     along, dense = max(square - square_across, 0.0), (_DENSE * settings.voxel_m) ** 2
-    gaps = max((_DENSE * apart_m) ** 2 - dense, 0.0)
+    gaps = max(float(np.mean((_DENSE * HOLDS * radii_m) ** 2)) - dense, 0.0)
+    between, faces, across_between = _between_lines(surface, source[~is_near], gate_m)
     return Closeness(
         float(np.sqrt(square)),
         float(np.sqrt(square_across + max(along - gaps, min(along, dense)))),
         float(np.sqrt(square_across + min(along, dense))),
-        float(near.mean()),
-        np.array(thinned[near]),
-        normals,
-        float(np.sqrt(square_across)),
+        (len(near) + len(between)) / len(source),
+        np.vstack([near, between]),
+        np.vstack([normals, faces]),
+        float(np.sqrt(np.mean(np.append(across, across_between) ** 2))),
         grid_m,
     )
+
+
+def _between_lines(surface: Surface, points: Float, gate_m: float) -> tuple[Float, Float, Float]:
+    """Return the points that lie on a plane of the surface, its normals there, and their distances
+    across [m].
+    """
+    distances, rows = surface.within(points, surface.near_m)
+    met = np.flatnonzero(rows < len(surface))
+    rows, points = rows.take(met), points.take(met, axis=0)
+    normals, radii_m = surface.planes(rows)
+    across = np.einsum("ij,ij->i", points - surface.points.take(rows, axis=0), normals)
+    is_on = (distances.take(met) < HOLDS * radii_m) & (np.abs(across) < gate_m)
+    on = np.flatnonzero(is_on)
+    return points.take(on, axis=0), normals.take(on, axis=0), across.take(on)
 
 
 def weak_direction(doubt: Uncertainty) -> str:

@@ -1,22 +1,22 @@
 """One local fit of a cloud to another, its measure, and the gate that both aligners share."""
 
 import numpy as np
-import small_gicp
 from executive_plugins.alignment.closeness import Closeness, measure, weak_direction
-from executive_plugins.alignment.even_points import EvenPoints
+from executive_plugins.alignment.gauss_newton import Rule, descend
 from executive_plugins.alignment.settings import AlignmentSettings
-from executive_plugins.alignment.thinning import grid_for
+from executive_plugins.alignment.surface import HOLDS, Surface
+from executive_plugins.alignment.thinning import MOST, grid_for
 
-from executive.arrays import Float
+from executive.arrays import Float, Int
 from executive.clock import wall_s
 from executive.errors import DataError
 from executive.geometry.pose import inverse, transform
 from executive.messages.alignment import Alignment, Uncertainty
 from executive.messages.cloud import Cloud
 
-# Points of the source in a generalised ICP that is not the last: enough for the basin of the last.
-# Point-to-plane fits of so few ended in another basin, 0.2 degrees away.
+# Points of the source in a fit that is not the last: enough for the basin of the last.
 _MOST_COARSE = 2_500
+_NEARLY_M, _SETTLED_M = 1e-3, 1e-4  # points that move less end a fit, and the last one
 _FARTHEST = 3  # largest travel of a point in reaches: a smooth surface may slide along itself
 
 
@@ -66,11 +66,13 @@ def fit(
             T_guess, False, "no target within reach of the source at the guess", 0.0, 0.0
         )
     grid_m = grid_for(moved, settings.voxel_m)
-    surface, apart_m, step = _optimise(kind, settings, near, moved, grid_m, max_distance_m)
+    surface = Surface.thinned(near, settings.voxel_m, settings.neighbours)
+    thin = Surface.thinned(moved, grid_m, settings.neighbours)
+    step = _optimise(kind, settings, surface, thin, max_distance_m)
     T = inverse(T_centre) @ step @ T_centre @ T_guess
-    fitted = transform(step, moved)
-    lies = measure(near, surface, fitted, grid_m, settings, apart_m)
-    travel_m = float(np.linalg.norm(fitted - moved, axis=1).max())
+    fitted = transform(step, thin.points)
+    lies = measure(near, surface, fitted, grid_m, settings)
+    travel_m = float(np.linalg.norm(fitted - thin.points, axis=1).max())
     accepted, reason = _judge(settings, lies, travel_m, max_distance_m)
     doubt = lies.uncertainty() if accepted else None
     if doubt is not None:
@@ -85,6 +87,14 @@ def fit(
         timings_ms={"total": (wall_s() - begun_s) * 1e3},
         uncertainty=doubt,
     )
+
+
+def compile_fit() -> None:
+    """Compile the inner loops, so that no cloud has to wait for them."""
+    corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    surface = Surface.thinned(corners, 0.5, len(corners))
+    planes = surface.planes(np.arange(len(corners)))
+    descend(surface, corners, planes, np.eye(4), Rule(True, 1.0, 1.0, HOLDS, 1.0, 1, 1))
 
 
 def _check(T_guess: Float, max_distance_m: float) -> None:
@@ -116,77 +126,37 @@ def _within_reach(points: Float, others: Float, distance_m: float) -> Float:
 def _optimise(
     kind: str,
     settings: AlignmentSettings,
-    target: Float,
-    source: Float,
-    grid_m: float,
+    target: Surface,
+    source: Surface,
     max_distance_m: float,
-) -> tuple[small_gicp.PointCloud, float, Float]:
-    """Fit within the whole reach, then twice to what overlaps, each time to faces that look alike.
-
-    The last reaches are half of the gate's distance and more, and not less than the target's points
-    are apart: nearer than that a point of the same surface finds a partner only where a line of the
-    target's scan happens to run, and the fit would be drawn from line to line.
-
-    Without that, the bottom and the far side of a stone, which the target does not show, pair with
-    the ground and with the near side, and least squares turn the stone towards them. The first fit
-    is generalised ICP for either kind: point-to-plane leaves a smooth stone's basin from afar. Of a
-    large source, generalised ICP takes few points before the last fit.
-
-    Returns:
-        The target's surface, how far its points are apart [m], and the motion.
-    """
-    prepared, tree = small_gicp.preprocess_points(target, settings.voxel_m, settings.neighbours, 1)
-    moving, _ = small_gicp.preprocess_points(source, grid_m, settings.neighbours, 1)
-    few = moving
-    if moving.size() > _MOST_COARSE:
-        every = -(-moving.size() // _MOST_COARSE)
-        few = _with_normals(np.array(moving.points()[::every, :3]), settings)
-    even = EvenPoints(np.array(prepared.points()[:, :3]), settings.voxel_m)
-    apart_m = even.spacing_m(settings.neighbours)
-    last_m, T = max(0.5 * settings.gate_distance_m, apart_m), np.eye(4)
-    second = few if kind == "GICP" else moving
-    steps = (("GICP", max_distance_m, few), (kind, 2 * last_m, second), (kind, last_m, moving))
-    for method, reach_m, cloud in steps:
-        facing = _facing(prepared, even, cloud, T)
-        if len(facing) < settings.min_points:
-            break
-        T = small_gicp.align(
-            prepared,
-            _moved_cloud(method, facing, settings),
-            tree,
-            T,
-            registration_type=method,
-            max_correspondence_distance=min(reach_m, max_distance_m),
-            num_threads=1,  # sums in one order: the same bits each time
-            max_iterations=settings.max_iterations,
-            rotation_epsilon=1e-4,
-            translation_epsilon=1e-4,
-        ).T_target_source
-    return prepared, apart_m, np.asarray(T, dtype=np.float64)
-
-
-def _moved_cloud(method: str, points: Float, settings: AlignmentSettings) -> small_gicp.PointCloud:
-    """Return what a method moves: of the source, distances to planes need the points alone."""
-    return small_gicp.PointCloud(points) if method != "GICP" else _with_normals(points, settings)
-
-
-def _with_normals(points: Float, settings: AlignmentSettings) -> small_gicp.PointCloud:
-    cloud = small_gicp.PointCloud(points)
-    small_gicp.estimate_normals_covariances(cloud, num_neighbors=settings.neighbours)
-    return cloud
-
-
-def _facing(
-    target: small_gicp.PointCloud, even: EvenPoints, source: small_gicp.PointCloud, T: Float
 ) -> Float:
-    """Return the source's points whose face is within 45 degrees of that of the nearest target
-    point, shape (N, 3).
+    """Fit within the whole reach, then twice to what overlaps; return the motion.
+
+    The last reach is half of the gate's distance. Where the target's points are farther apart than
+    that, it is half of the radius over which its plane was fitted: nearer than that a point of the
+    same surface finds a partner only where a line of the target's scan happens to run, and the fit
+    would be drawn from line to line.
+
+    The first fit is generalised ICP for either kind: point-to-plane leaves a smooth stone's basin
+    from afar. Of a large source, few points are taken before the last fit.
     """
-    points, normals = np.array(source.points()[:, :3]), source.normals()[:, :3]
-    nearest = even.nearest(transform(T, points))
-    beside = target.normals().take(nearest, axis=0)[:, :3]
-    cosines = np.einsum("ij,ij->i", normals @ T[:3, :3].T, beside)
-    return points.take(np.flatnonzero(np.abs(cosines) > np.sqrt(0.5)), axis=0)
+    dense_m, is_generalised = 0.5 * settings.gate_distance_m, kind == "GICP"
+    every, few = _some(source, MOST), _some(source, _MOST_COARSE)
+    T = np.eye(4)
+    for rows, generalised, near_m, holds, settled_m in (
+        (few, True, max_distance_m, HOLDS, _NEARLY_M),
+        (few, is_generalised, 2 * dense_m, 2 * HOLDS, _NEARLY_M),
+        (every, is_generalised, dense_m, HOLDS, _SETTLED_M),
+    ):
+        limits = settings.max_iterations, settings.min_points
+        rule = Rule(generalised, max_distance_m, near_m, holds, settled_m, *limits)
+        T = descend(target, source.points.take(rows, axis=0), source.planes(rows), T, rule)
+    return T
+
+
+def _some(surface: Surface, most: int) -> Int:
+    """Return rows of so many points of a surface at most, evenly taken."""
+    return np.arange(0, len(surface), -(-len(surface) // most))
 
 
 def _judge(

@@ -1,17 +1,16 @@
 """Point-to-plane ICP (Chen and Medioni 1992): fast, and best on smooth surfaces."""
 
-from executive_plugins.alignment.local_fit import fit
+from executive_plugins.alignment.local_fit import compile_fit, fit
 from executive_plugins.alignment.settings import PointToPlaneSettings
 
 from executive.arrays import Float
-from executive.geometry.point_grid import compile_point_grid
 from executive.interfaces.alignment import Aligner
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
 
 class PointToPlane(Aligner):
-    """Point-to-plane ICP on small_gicp, in one thread."""
+    """Point-to-plane ICP in one thread."""
 
     Settings = PointToPlaneSettings
     latency_s = {"align": 0.1}
@@ -22,7 +21,7 @@ class PointToPlane(Aligner):
 
     def start(self) -> None:
         """Compile the inner loops, so that no cloud has to wait for them."""
-        compile_point_grid()
+        compile_fit()
 
     def align(
         self, target: Cloud, source: Cloud, T_target_source: Float, max_distance_m: float

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-import small_gicp
-from executive_plugins.alignment.even_points import EvenPoints
 from executive_plugins.alignment.gicp import Gicp
 from executive_plugins.alignment.local_fit import _within_reach
 from executive_plugins.alignment.point_to_plane import PointToPlane
@@ -215,14 +213,6 @@ def test_other_ground_is_refused_however_far_its_points_are_apart() -> None:
     assert not found.accepted
 
 
-def test_spacing_is_the_edge_of_a_square_grid() -> None:
-    grid = np.mgrid[0:30, 0:30, 0:1].reshape(3, -1).T * 0.07
-    assert EvenPoints(grid, 0.05).spacing_m(12) == pytest.approx(
-        0.07, rel=0.15
-    )  # 12 lie in two rings
-    assert EvenPoints(grid[:1], 0.05).spacing_m(12) == 0.0
-
-
 def test_a_cloud_of_many_points_is_thinned_on_a_coarser_grid() -> None:
     plane = np.random.default_rng(3).uniform(0, 10, (100_000, 3)) * [1, 1, 0]
     cells = len(np.unique(np.floor(plane / 0.05), axis=0))
@@ -239,22 +229,35 @@ def test_points_in_reach_are_those_beside_the_others_on_every_side(axis: int) ->
     assert _within_reach(points, others, 1.0).tolist() == [False, True, True, True, True, False]
 
 
-def test_the_nearest_of_a_thinned_surface_are_found_near_and_far() -> None:
-    rng = np.random.default_rng(0)
-    points, queries = rng.uniform(-1, 1, (500, 3)), rng.uniform(-4, 4, (300, 3))
-    apart = np.linalg.norm(queries[:, None] - points, axis=2)
-    assert np.array_equal(EvenPoints(points, 0.05).nearest(queries), apart.argmin(axis=1))
+def hall(T: np.ndarray, seed: int) -> np.ndarray:
+    """Return a scan of 16 rings from a pose in a hall of 28 m by 20 m, with noise along rays."""
+    rng = np.random.default_rng(seed)
+    steep, turn = np.meshgrid(np.radians(np.linspace(-25, 15, 16)), np.linspace(0, 2 * np.pi, 1500))
+    rays = np.column_stack(
+        [
+            (np.cos(steep) * np.cos(turn)).ravel(),
+            (np.cos(steep) * np.sin(turn)).ravel(),
+            np.sin(steep).ravel(),
+        ]
+    )
+    range_m = np.full(len(rays), np.inf)
+    for axis, at_m in ((0, -12.0), (0, 16.0), (1, -8.0), (1, 12.0), (2, -1.8), (2, 6.0)):
+        speed = rays @ T[axis, :3]
+        hits_m = (at_m - T[axis, 3]) / np.where(np.abs(speed) < 1e-9, 1e-9, speed)
+        range_m = np.where(hits_m > 0, np.minimum(range_m, hits_m), range_m)
+    return rays * (range_m + rng.normal(0, 0.015, len(rays)))[:, None]
 
 
-def test_only_generalised_icp_fits_normals_to_the_points_that_it_moves(monkeypatch) -> None:
-    fitted, estimate = [], small_gicp.estimate_normals_covariances
-
-    def counted(cloud: small_gicp.PointCloud, **options: int) -> None:
-        fitted.append(cloud.size())
-        estimate(cloud, **options)
-
-    monkeypatch.setattr(small_gicp, "estimate_normals_covariances", counted)
-    for aligner, fits in ((GICP, 3), (PLANE, 1)):  # point-to-plane begins with generalised ICP
-        fitted.clear()
-        aligner.align(Cloud("map", boulder(1)), Cloud("map", boulder(2)), np.eye(4), 0.3)
-        assert len(fitted) == fits
+@pytest.mark.parametrize("aligner", ALIGNERS)
+@pytest.mark.parametrize("seed", range(2))
+def test_two_scans_of_few_rings_are_not_drawn_from_ring_to_ring(
+    aligner: Aligner, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    T = pose(exp_so3(rng.normal(0, 0.01, 3)), rng.normal(0, [0.3, 0.3, 0.03]))
+    guess = T @ pose(exp_so3(rng.normal(0, 0.003, 3)), rng.normal(0, 0.05, 3))
+    clouds = Cloud("target", hall(np.eye(4), seed)), Cloud("source", hall(T, seed + 100))
+    found = aligner.align(*clouds, guess, 0.3)
+    assert found.accepted, found.reason
+    assert found.overlap > 0.7  # most points lie between two rings of the other scan
+    assert np.linalg.norm(found.T_target_source[:3, 3] - T[:3, 3]) < 0.005

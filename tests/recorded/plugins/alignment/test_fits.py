@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-import small_gicp
 from executive_plugins.alignment.gicp import Gicp
 from executive_plugins.alignment.local_fit import measure
 from executive_plugins.alignment.settings import AlignmentSettings, GicpSettings
+from executive_plugins.alignment.surface import Surface
 
 from executive.errors import DataError
 from executive.geometry.pose import pose, transform
@@ -56,7 +56,7 @@ def test_measure(recorded) -> None:
     grid = np.stack(np.meshgrid(*(np.arange(5.0),) * 3), axis=-1).reshape(-1, 3)
     settings = AlignmentSettings(voxel_m=0.5, gate_distance_m=0.5)
     offsets = (0.0, 0.25, 0.5, 0.75, 90.0)
-    surface, _ = small_gicp.preprocess_points(grid, 0.5, settings.neighbours, 1)
+    surface = Surface(grid, 0.5, settings.neighbours)
     recorded([measure(grid, surface, grid[:40] + [d, 0, 0], 0.5, settings) for d in offsets])
 
 
