@@ -148,7 +148,7 @@ def thin(  # noqa: C901 - a call that hands the arrays on costs more than the wo
     sends, moved, cells, into = columns.sends, pool.moved, pool.cells, pool.beside
     sums, numbers = np.zeros((64, 3)), np.zeros(64, dtype=np.int64)
     gathered = np.empty(64, dtype=np.int64)
-    found, c = 0, 0
+    found, c, across = 0, 0, columns.spans[1]
     while c < len(held):
         begin = first[c]
         shift = found - begin
@@ -156,15 +156,17 @@ def thin(  # noqa: C901 - a call that hands the arrays on costs more than the wo
             first[c] += shift
             c += 1
         count = first[c] - begin
-        points[found : found + count] = old_points[begin : begin + count]
-        found += count
+        for row in range(begin, begin + count):  # few at a time: a slice would take longer
+            points[found, 0], points[found, 1] = old_points[row, 0], old_points[row, 1]
+            points[found, 2] = old_points[row, 2]
+            found += 1
         if c == len(held):
             break
         marks[c] = 0
         first[c] = found
         number, low, high = 0, 1 << BITS, -1
         for k in range(9):
-            beside = c + (k // 3 - 1) * columns.spans[1] + k % 3 - 1
+            beside = c + (k // 3 - 1) * across + k % 3 - 1
             if not sends[beside] >> (8 - k) & 1:
                 continue
             for n in range(begins[beside], begins[beside] + held[beside]):
