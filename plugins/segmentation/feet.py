@@ -3,9 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 from scipy.spatial import cKDTree
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float, Int, read_only
+
+_CELLS = 1_000  # of the grid in which points are looked up, along either side of the site
 
 
 def feet_of(parts: Sequence[Float], low: Float, reach_m: float) -> list[Float]:
@@ -30,6 +33,66 @@ def feet_of(parts: Sequence[Float], low: Float, reach_m: float) -> list[Float]:
     owner = np.repeat(np.arange(len(near)), [len(part) for part in near])
     tree = cKDTree(np.concatenate(near))
     distance_m, nearest = tree.query(low, distance_upper_bound=reach_m)
-    found = np.isfinite(distance_m)
+    found = np.flatnonzero(np.isfinite(distance_m))
     of = owner[nearest[found]]
-    return [low[found][of == k] for k in range(len(parts))]
+    in_turn = np.argsort(of, kind="stable")
+    ends = np.cumsum(np.bincount(of, minlength=len(parts)))
+    return np.split(low.take(found.take(in_turn), axis=0), ends[:-1])
+
+
+def rows_beside(
+    points: Float,
+    above: Float,
+    heights_m: tuple[float, float],
+    parts: Sequence[Float],
+    reach_m: float,
+) -> Int:
+    """Return the rows of points between two heights that may be within reach of an object, (L,).
+
+    On a wide site half of the ground is between these heights: they are not copied for that.
+
+    Args:
+        points: All of the cloud [m], shape (N, 3).
+        above: Their heights above the ground [m], shape (N,).
+        heights_m: The lower height, above which points count, and the upper one, up to which [m].
+        parts: Points of each object in the cloud's frame [m], shapes (N, 3).
+        reach_m: Largest distance from the points of an object [m].
+    """
+    if not parts or not reach_m:
+        return np.empty(0, dtype=np.int64)
+    low = np.min([part[:, :2].min(axis=0) for part in parts], axis=0)
+    high = np.max([part[:, :2].max(axis=0) for part in parts], axis=0)
+    cell_m = max(reach_m, float((high - low).max()) / _CELLS)
+    spans = np.floor((high - low) / cell_m).astype(np.int64) + 3  # with a rim of a cell
+    is_beside = np.zeros(spans, dtype=np.bool_)
+    for part in parts:
+        i, j = (np.floor((part[:, :2] - low) / cell_m).astype(np.int64) + 1).T
+        for di, dj in np.ndindex(3, 3):
+            is_beside[i + di - 1, j + dj - 1] = True
+    return np.asarray(
+        _rows(read_only(points), read_only(above), *heights_m, low, cell_m, is_beside)
+    )
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def _rows(
+    points: Float,
+    above: Float,
+    least_m: float,
+    most_m: float,
+    low: Float,
+    cell_m: float,
+    is_beside: Bool,
+) -> Int:  # pragma: no cover - compiled
+    rows, found = np.empty(1024, dtype=np.int64), 0
+    for n in range(len(points)):
+        if not (above[n] > least_m and not above[n] > most_m):
+            continue
+        i = int(np.floor((points[n, 0] - low[0]) / cell_m)) + 1
+        j = int(np.floor((points[n, 1] - low[1]) / cell_m)) + 1
+        if 0 <= i < is_beside.shape[0] and 0 <= j < is_beside.shape[1] and is_beside[i, j]:
+            if found == len(rows):
+                rows = np.append(rows, rows)
+            rows[found] = n
+            found += 1
+    return rows[:found]

@@ -8,7 +8,7 @@ from executive_plugins.segmentation.cluster_splitting import ClusterSplitter
 from executive_plugins.segmentation.clusters import connected_clusters
 from executive_plugins.segmentation.convex_splitting import ConvexSplitter
 from executive_plugins.segmentation.even_sample import first_in_squares
-from executive_plugins.segmentation.feet import feet_of
+from executive_plugins.segmentation.feet import feet_of, rows_beside
 from executive_plugins.segmentation.ground_plane import fit_ground_plane
 from executive_plugins.segmentation.ground_surface import (
     GroundSurface,
@@ -118,7 +118,7 @@ class GroundAndClusters(Segmenter):
         limits = limits_for(settings, self._sizes, apart_m)
         axes = surface.R_plane_cloud[:2].T
         below = cloud.points.take(lying, axis=0)
-        ground = SeenGround(lambda: (below - centre) @ axes, limits.patch_m)
+        ground = SeenGround(below, centre, axes, limits.patch_m)
         parts, rest, scattered = self._objects(points, heights, points @ axes, limits, ground, rng)
         told = tuple(left_out(*one, centre) for one in rest)
         warnings = (
@@ -126,12 +126,13 @@ class GroundAndClusters(Segmenter):
             *spacing_warnings(apart_m, settings.voxel_m, limits.least_extent_m),
             *unit_warnings(len(parts), told, limits.most_extent_m),
         )
-        low = lying[above[lying] > settings.foot_level_m]
-        low_points = cloud.points.take(low, axis=0) - centre
+        whole = [part + centre for part in parts]
+        between_m = settings.foot_level_m, settings.plane_margin_m
+        low = rows_beside(cloud.points, above, between_m, whole, settings.foot_reach_m)
         normals = None if cloud.normals is None else cloud.normals[lying]
         return Segmentation(
             frame=cloud.frame,
-            segments=_segments(parts, low_points, settings.foot_reach_m, centre),
+            segments=_segments(whole, cloud.points.take(low, axis=0), settings.foot_reach_m),
             ground=Cloud(cloud.frame, below, normals),
             ground_plane=np.array([*plane[:3], plane[3] + plane[:3] @ centre]),
             left_out=told,
@@ -227,14 +228,9 @@ class GroundAndClusters(Segmenter):
         return sorted(kept, key=len, reverse=True), rest, scattered
 
 
-def _segments(
-    parts: Sequence[Float], low: Float, reach_m: float, centre: Float
-) -> tuple[Segment, ...]:
-    """Return the objects with their feet, in the frame of the cloud."""
-    feet = feet_of(parts, low, reach_m)
-    found = enumerate(
-        (part + centre, foot + centre) for part, foot in zip(parts, feet, strict=True)
-    )
+def _segments(parts: Sequence[Float], low: Float, reach_m: float) -> tuple[Segment, ...]:
+    """Return the objects with their feet."""
+    found = enumerate(zip(parts, feet_of(parts, low, reach_m), strict=True))
     return tuple(
         Segment(number, points, moments(points)[0], principal_extents(points), foot)
         for number, (points, foot) in found

@@ -26,7 +26,9 @@ HOLLOW = 0.2  # what one stone may have; half as much again is asked of a part
 
 
 def judge(tops: int = 1, below: Float | None = None) -> PartJudge:
-    ground = SeenGround(lambda: np.empty((0, 2)) if below is None else below, 0.05)
+    places = np.empty((0, 2)) if below is None else below
+    level = np.column_stack([places, np.zeros(len(places))])
+    ground = SeenGround(level, np.zeros(3), np.eye(3)[:, :2], 0.05)
     return PartJudge(LIMITS, HOLLOW, 0.02, 0.6, lambda places, heights: tops, ground)
 
 
