@@ -7,7 +7,11 @@ from executive_plugins.physics.surface import ContactModel, Surface
 _CONDIM, _ROLLING_CONDIM = 4, 6
 _DAMPING_RATIO = 1.0
 _SOLIMP = (0.95, 0.99, 0.002, 0.5, 2.0)
-_TIE_SOLREF = (0.01, 1.0)  # time constant [s] and damping ratio of joints tied to one another
+# Time constant [s] and damping ratio of joints tied to one another. Forces of constraints are
+# computed without the implicit damping of the drives: where one of the two is held by it, the tie
+# has less than what is asked for. With a ratio of 1 the right jaw of the M545 swung on at 14 Hz in
+# 19 of 40 postures, by up to 0.04 rad and 45 kN·m; with 2 in 3.
+_TIE_SOLREF = (0.01, 2.0)
 _TIE_SOLIMP = (0.99, 0.999, 0.001, 0.5, 2.0)
 _FREE = mujoco.mjtJoint.mjJNT_FREE
 _WORLD = "world"  # MuJoCo's name of the body that everything stands on

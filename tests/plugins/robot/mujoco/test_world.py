@@ -181,6 +181,21 @@ def test_refuses_what_the_jaws_cannot_do(command: MoveJaws, words: str) -> None:
         level_world(load_machine("m545")).move_jaws(command)
 
 
+def test_jaws_that_have_moved_come_to_rest() -> None:
+    """The right jaw, tied to the driven one, swung on at 14 Hz, and shook what the arm weighs."""
+    machine = load_machine("m545")
+    world = level_world(machine)
+    arm_rad = np.array([0.052, 1.28, -0.228, 0.029, -1.473, -0.425, -0.359])
+    world._set_arm(arm_rad)
+    for target_rad in (0.329, 0.563):
+        world.move_jaws(MoveJaws(target_rad, 35000.0))
+        for _ in range(800):
+            world._substep(arm_rad, np.zeros(len(arm_rad)))
+    right = world.data.joint(machine.jaw.mirror_name)
+    assert abs(float(right.qpos[0]) - 0.563) < 0.01
+    assert abs(float(right.qvel[0])) < 0.01
+
+
 def test_two_runs_with_one_seed_are_equal_bit_for_bit() -> None:
     machine = load_machine("m545")
     settings = SiteSettings(stones=StoneSettings(count=3))
