@@ -35,12 +35,31 @@ CloudArgument = Annotated[
 ]
 SourceArgument = Annotated[
     Path,
-    typer.Argument(metavar="SOURCE", help="The cloud to move: PLY, PCD, LAS, LAZ, E57 or XYZ."),
+    typer.Argument(
+        metavar="SOURCE",
+        help="The cloud to move: PLY, PCD, LAS, LAZ, E57 or XYZ; or a folder of them, of which "
+        "each is laid over the target.",
+    ),
 ]
 TargetArgument = Annotated[Path, typer.Argument(metavar="TARGET", help="The cloud to lay it over.")]
 BothOption = Annotated[
     Path | None,
-    typer.Option(help="PLY, PCD, LAS or LAZ file for both, one colour each; if accepted."),
+    typer.Option(
+        help="PLY, PCD, LAS or LAZ file for both, one colour each; if accepted; of a folder of "
+        "clouds, a folder, which is gone on with."
+    ),
+]
+CropOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="AREA",
+        help="Look at x,y,radius or x_low,y_low,x_high,y_high alone [m]; of two clouds, in the "
+        "target.",
+    ),
+]
+CropSourceOption = Annotated[
+    str | None,
+    typer.Option(metavar="AREA", help="The same in the source, in its own coordinates."),
 ]
 
 

@@ -51,6 +51,9 @@ class Plugin:
         self.asked.append(given)
         return self.answer
 
+    def register(self, *given: Any) -> Alignment:
+        return self.align(*given)
+
     def follow(self, tell: Any) -> None:
         tell("half of it is done")
 
@@ -131,6 +134,111 @@ def test_align_writes_nothing_if_the_motion_is_refused(
     assert "refused: 1.2 cm over 80 %" in said.err
     assert said.out == ""
     assert not Path("both.ply").exists()
+
+
+@pytest.mark.parametrize("verb", ["align", "register"])
+def test_a_crop_of_each_cloud_is_all_that_is_looked_at_and_written(
+    verb: str, clouds: Path, stand: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plugin = stand(Plugin(found()))
+    words = ("--crop", "-1,-2,3,2", "--crop-source", "1,1,2.5", "--out", "both.ply")
+    assert executive(monkeypatch, verb, "moved.ply", "fixed.ply", *words) == 0
+    target, source = plugin.asked[0][:2]
+    box = SITE + [0.5, 0, 0]
+    box = box[(np.abs(box[:, 0] - 1) <= 2) & (np.abs(box[:, 1]) <= 2)]
+    circle = SITE[np.hypot(SITE[:, 0] - 1, SITE[:, 1] - 1) < 2.5]
+    np.testing.assert_array_equal(target.points, box)
+    np.testing.assert_array_equal(source.points, circle)
+    assert len(read_points(Path("both.ply"))) == len(box) + len(circle) < len(SITE)
+
+
+@pytest.mark.parametrize("verb", ["align", "register"])
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--crop", "1,2"), "--crop: '1,2' is not x,y,radius or x_low"),
+        (("--crop-source", "3,3,1,1"), "--crop-source: '3,3,1,1' is not x,y,radius or x_low"),
+        (("--crop", "90,0,5"), "--crop: no point is in 90,0,5; the cloud has x from -3."),
+        (("--crop-source", "0,9,1"), "--crop-source: no point is in 0,9,1; the cloud has x from"),
+    ],
+)
+def test_a_crop_without_an_area_or_a_point_is_refused(
+    verb: str, clouds: Path, stand: Any, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str], words: tuple[str, str], told: str,
+) -> None:  # fmt: skip
+    plugin = stand(Plugin(found()))
+    assert executive(monkeypatch, verb, "moved.ply", "fixed.ply", *words) == 2
+    assert told in capsys.readouterr().err
+    assert plugin.asked == []
+
+
+@pytest.mark.parametrize("verb", ["align", "register"])
+def test_each_cloud_of_a_folder_is_laid_over_the_target_once(
+    verb: str, clouds: Path, stand: Any, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    Path("scans").mkdir()
+    for name in ("a.ply", "b.ply"):
+        write_parts(Path("scans") / name, [SITE])
+    Path("scans/c.ply").write_bytes(b"ply")
+    words = (verb, "scans", "fixed.ply", "--crop-source", "0,0,3")
+    plugin = stand(Plugin(found()))
+    assert executive(monkeypatch, *words, "--out", "answers") == 1
+    said = capsys.readouterr().err
+    assert "a.ply: accepted: 1.2 cm over 80 %" in said
+    assert "c.ply: cannot be used: " in said
+    assert "scans: 2 of 3 clouds" in said
+    first = json.loads(Path("answers/a.ply.json").read_text())
+    assert (first["accepted"], first["crs"]) == (True, "EPSG:2056")
+    assert first["asked"]["target"] == str(Path("fixed.ply").resolve())
+    assert first["asked"]["crop_source"] == "0,0,3"
+    inside = int((np.hypot(*SITE[:, :2].T) < 3).sum())
+    assert len(read_points(Path("answers/b.ply.both.ply"))) == len(SITE) + inside
+    write_parts(Path("scans/c.ply"), [SITE])
+    assert executive(monkeypatch, *words, "--out", "answers") == 0
+    assert len(plugin.asked) == 3
+    assert "b.ply: done before (2 of 3)" in capsys.readouterr().err
+    plugin.answer = found(accepted=False)  # of what is asked anew
+    assert executive(monkeypatch, *words, "--out", "answers", "--crop", "0,0,9") == 1
+    assert len(plugin.asked) == 6
+    assert "scans: 3 of 3 clouds, 3 refused" in capsys.readouterr().err
+    assert not list(Path("answers").glob("*.both.ply"))
+
+
+@pytest.mark.parametrize("verb", ["align", "register"])
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ((), "--out: scans is a folder of clouds: name another folder for answers"),
+        (("--out", "scans"), "name another folder for answers"),
+        (("--out", "answers", "--json"), "--json: the answers of a folder are files in"),
+        (("--out", "answers", "--view"), "--view: shows one cloud; name a file of the folder"),
+        (("--out", "answers"), "scans: holds no cloud (.ply"),
+    ],
+)
+def test_a_folder_is_refused_what_one_cloud_has(
+    verb: str, clouds: Path, stand: Any, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], told: str,
+) -> None:  # fmt: skip
+    Path("scans").mkdir()
+    stand(Plugin(found()))
+    assert executive(monkeypatch, verb, "scans", "fixed.ply", *words) == 2
+    assert told in capsys.readouterr().err
+    assert not Path("answers").exists()
+
+
+def test_another_guess_or_reach_is_another_answer_of_align(
+    clouds: Path, stand: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("scans").mkdir()
+    write_parts(Path("scans/a.ply"), [SITE])
+    plugin = stand(Plugin(found()))
+    words = ("align", "scans", "fixed.ply", "--out", "answers", "--guess", "guess.txt")
+    for number, (x, reach) in enumerate([(1.5, 0.3), (2.5, 0.3), (2.5, 0.4)], 1):
+        Path("guess.txt").write_text(f"1 0 0 {x}\n0 1 0 0.1\n0 0 1 0\n0 0 0 1\n")
+        for _ in range(2):
+            assert executive(monkeypatch, *words, "--reach", reach) == 0
+            assert len(plugin.asked) == number
 
 
 @pytest.mark.parametrize("verb", ["align", "register"])

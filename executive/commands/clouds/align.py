@@ -1,20 +1,24 @@
 """`executive align`: one cloud over another, from a guess."""
 
 from dataclasses import replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from executive.commands.clouds.view import ViewOption, check_view, recording_of, show
-from executive.commands.console import check_output
+from executive.commands.clouds.view import ViewOption
 from executive.commands.options import (
     BothOption,
+    CropOption,
+    CropSourceOption,
     JsonOption,
     SetOption,
     SourceArgument,
     TargetArgument,
     settings,
 )
+
+if TYPE_CHECKING:
+    from executive.messages.alignment import Alignment
 
 GuessOption = Annotated[
     str | None,
@@ -38,38 +42,37 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     reach: Annotated[
         float, typer.Option(min=0.01, max=10, help="Largest distance of corresponding points [m].")
     ] = 0.3,
+    crop: CropOption = None,
+    crop_source: CropSourceOption = None,
     out: BothOption = None,
     as_json: JsonOption = False,
     view: ViewOption = False,
 ) -> None:
-    """Lay one cloud over another, from a guess.
+    """Lay one cloud over another, or each of a folder, from a guess.
 
-    Exit status 1 says that no motion was accepted.
+    Exit status 1 says that no motion was accepted, or not that of each cloud of the folder.
 
     Example: executive align stone.ply drone.ply --guess 1.2,-3.4,0,0,0,35
     """
-    from executive.clouds.coordinate_system import coordinate_system
-    from executive.clouds.reader import read_site
-    from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
-    from executive.commands.clouds.alignment_answer import alignment_view, conclude
     from executive.commands.clouds.guess import read_guess
+    from executive.commands.clouds.overlay import Overlay
     from executive.interfaces.alignment import Aligner
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, *WRITTEN, read=(source, target))
-    check_view(view)
+    overlay = Overlay(source, target, crop, crop_source, out, as_json, view)
+    overlay.check()
     T_guess, scale = read_guess(guess)
-    choices = Choices(("alignment",), settings(set_, alignment=method))
+    set_words = settings(set_, alignment=method)
+    choices = Choices(("alignment",), set_words)
+    asked = {"set": list(set_words), "guess": T_guess.tolist(), "scale": scale, "reach": reach}
     with chosen(Aligner, choices) as aligner:
-        moved, fixed = read_site(source), read_site(target)
-        rigid = aligner.align(
-            Cloud("target", fixed), Cloud("source", scale * moved), T_guess, reach
-        )
-    found = replace(rigid, scale=scale)  # an alignment is rigid: the scale is that of the guess
-    crs = coordinate_system(target)
-    status = conclude(found, moved, fixed, out, as_json, crs)
-    if view:
-        show(recording_of(source, out), alignment_view(found, moved, fixed))
+
+        def lay(fixed: Cloud, moved: Cloud) -> "Alignment":
+            scaled = Cloud(moved.frame, scale * moved.points)
+            rigid = aligner.align(fixed, scaled, T_guess, reach)
+            return replace(rigid, scale=scale)  # the motion is rigid: the scale is the guess's
+
+        status = overlay.run(lay, asked)
     raise typer.Exit(status)

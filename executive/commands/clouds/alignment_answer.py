@@ -1,15 +1,10 @@
 """What `register` and `align` answer: to machines, and to people."""
 
-from pathlib import Path
 from typing import Any
 
 from executive.arrays import Float
-from executive.clouds.file_cloud import Place
-from executive.clouds.ply_writer import coloured_parts
 from executive.clouds.units import unit_hint
-from executive.clouds.writer import write_cloud
 from executive.commands.clouds.view import near_origin
-from executive.commands.console import answer, say
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
@@ -65,25 +60,3 @@ def alignment_view(found: Alignment, source: Float, target: Float) -> dict[str, 
     if found.accepted:
         shown["drone"] = Cloud("map", found.apply(source) - offset)
     return shown
-
-
-def conclude(
-    found: Alignment, source: Float, target: Float, out: Path | None, as_json: bool, crs: str
-) -> int:
-    """Say and answer what was found, write both clouds if it was accepted, and return the exit
-    status: 0 if it was accepted, else 1.
-
-    Args:
-        found: The alignment.
-        source: Points of the cloud that was moved [m], shape (N, 3).
-        target: Points of the cloud that it was laid over [m], shape (M, 3).
-        out: File for both, one colour each; none if it is not wanted.
-        as_json: Whether to answer on standard output.
-        crs: Coordinate system of the target; empty if its file names none.
-    """
-    say(verdict(found, source, target))
-    if out and found.accepted:
-        write_cloud(out, coloured_parts([target, found.apply(source)], Place(crs)))
-    if as_json:
-        answer({**alignment_answer(found), "crs": crs})
-    return 0 if found.accepted else 1

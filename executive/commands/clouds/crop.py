@@ -14,20 +14,24 @@ _FORMS = "x,y,radius or x_low,y_low,x_high,y_high, in the cloud's coordinates [m
 class Crop:
     """A circle or a rectangle seen from above; without words the whole cloud.
 
+    Args:
+        words: What was given, if anything was.
+        option: The option that it was given to, for messages.
+
     Raises:
         ConfigError: If the words are neither three nor four numbers, or hold no area.
     """
 
-    def __init__(self, words: str | None) -> None:
+    def __init__(self, words: str | None, option: str = "--crop") -> None:
         try:
             numbers = [float(word) for word in words.split(",")] if words is not None else []
         except ValueError as error:
-            raise ConfigError(f"--crop: '{words}' is not {_FORMS}") from error
+            raise ConfigError(f"{option}: '{words}' is not {_FORMS}") from error
         is_circle = len(numbers) == 3 and numbers[2] > 0
         is_box = len(numbers) == 4 and numbers[0] < numbers[2] and numbers[1] < numbers[3]
         if words is not None and not is_circle and not is_box:
-            raise ConfigError(f"--crop: '{words}' is not {_FORMS}")
-        self._words, self._numbers = words, numbers
+            raise ConfigError(f"{option}: '{words}' is not {_FORMS}")
+        self._words, self._numbers, self._option = words, numbers, option
 
     def of(self, cloud: "Cloud") -> "Cloud":
         """Return the part of a cloud, without normals.
@@ -64,5 +68,5 @@ class Crop:
                 f"{name} from {low:.6g} to {high:.6g} m"
                 for name, low, high in zip("xy", xy.min(axis=0), xy.max(axis=0), strict=True)
             )
-            raise DataError(f"--crop: no point is in {self._words}; the cloud has {spans}")
+            raise DataError(f"{self._option}: no point is in {self._words}; the cloud has {spans}")
         return np.asarray(kept)

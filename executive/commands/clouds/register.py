@@ -1,13 +1,14 @@
 """`executive register`: one cloud over another, without a guess."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from executive.commands.clouds.view import ViewOption, check_view, recording_of, show
-from executive.commands.console import check_output
+from executive.commands.clouds.view import ViewOption
 from executive.commands.options import (
     BothOption,
+    CropOption,
+    CropSourceOption,
     JsonOption,
     SetOption,
     SourceArgument,
@@ -15,45 +16,45 @@ from executive.commands.options import (
     settings,
 )
 
+if TYPE_CHECKING:
+    from executive.messages.alignment import Alignment
+    from executive.messages.cloud import Cloud
 
-def register(
+
+def register(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     source: SourceArgument,
     target: TargetArgument,
     method: Annotated[
         str | None, typer.Option(help="Short for --set registration.plugin=NAME.")
     ] = None,
     set_: SetOption = None,
+    crop: CropOption = None,
+    crop_source: CropSourceOption = None,
     out: BothOption = None,
     as_json: JsonOption = False,
     view: ViewOption = False,
 ) -> None:
-    """Lay one cloud over another, without a guess.
+    """Lay one cloud over another, or each of a folder, without a guess.
 
-    Exit status 1 says that no motion was accepted.
+    Exit status 1 says that no motion was accepted, or not that of each cloud of the folder.
 
     Example: executive register lidar.ply drone.las --out both.ply
     """
     import numpy as np
 
-    from executive.clouds.coordinate_system import coordinate_system
-    from executive.clouds.reader import read_site
-    from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
-    from executive.commands.clouds.alignment_answer import alignment_view, conclude
+    from executive.commands.clouds.overlay import Overlay
     from executive.interfaces.registration import Registrar
-    from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    check_output("--out", out, *WRITTEN, read=(source, target))
-    check_view(view)
-    choices = Choices(("registration",), settings(set_, registration=method))
+    overlay = Overlay(source, target, crop, crop_source, out, as_json, view)
+    overlay.check()
+    set_words = settings(set_, registration=method)
+    choices = Choices(("registration",), set_words)
     with chosen(Registrar, choices) as registrar:
-        fixed, moved = read_site(target), read_site(source)
-        found = registrar.register(
-            Cloud("target", fixed), Cloud("source", moved), np.random.default_rng(0)
-        )
-    crs = coordinate_system(target)
-    status = conclude(found, moved, fixed, out, as_json, crs)
-    if view:
-        show(recording_of(source, out), alignment_view(found, moved, fixed))
+
+        def lay(fixed: "Cloud", moved: "Cloud") -> "Alignment":
+            return registrar.register(fixed, moved, np.random.default_rng(0))
+
+        status = overlay.run(lay, {"set": list(set_words)})
     raise typer.Exit(status)

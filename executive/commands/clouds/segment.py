@@ -15,8 +15,7 @@ from executive.commands.clouds.view import (
     show,
 )
 from executive.commands.console import answer, check_output, say
-from executive.commands.options import JsonOption, SetOption, settings
-from executive.errors import ConfigError
+from executive.commands.options import CropOption, JsonOption, SetOption, settings
 
 if TYPE_CHECKING:
     from executive.commands.clouds.crop import Crop
@@ -36,12 +35,7 @@ def segment(
         str | None, typer.Option(help="Short for --set segmentation.plugin=NAME.")
     ] = None,
     set_: SetOption = None,
-    crop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="AREA", help="Look at x,y,radius or x_low,y_low,x_high,y_high alone [m]."
-        ),
-    ] = None,
+    crop: CropOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -63,6 +57,7 @@ def segment(
     from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
     from executive.commands.clouds.crop import Crop
+    from executive.commands.clouds.folder import Batch, check_batch, each_of
     from executive.interfaces.segmentation import Segmenter
     from executive.tree.choices import Choices
 
@@ -70,19 +65,15 @@ def segment(
     check_view(view)
     if not cloud.is_dir():
         check_output("--out", out, *WRITTEN, read=(cloud,))
-    elif view:
-        raise ConfigError("--view: shows one cloud; name a file of the folder")
-    elif as_json:
-        raise ConfigError("--json: the answers of a folder are files in the folder of --out")
+    else:
+        check_batch(cloud, out, as_json, view)
     set_words = settings(set_, segmentation=method)
     choices = Choices(("segmentation",), set_words)
     with chosen(Segmenter, choices) as segmenter:
         if cloud.is_dir():
-            from executive.commands.clouds.folder import each_of
-
             asked = {"set": list(set_words), "crop": crop}
             work = partial(_segmented, segmenter, area)
-            status = each_of(cloud, out, asked, work)
+            status = each_of(Batch(cloud, out, asked, "segments"), work)
         else:
             found = _segmented(segmenter, area, cloud, out, view)
             status = int(not found["segments"])
