@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from executive.clouds.coordinate_system import checked_name
+from executive.clouds.e57_writer import write_e57
 from executive.clouds.file_cloud import FileCloud
 from executive.clouds.las_writer import write_las
 from executive.clouds.pcd_writer import write_pcd
@@ -11,6 +12,7 @@ from executive.clouds.ply_writer import write_ply_cloud
 
 _WRITERS: dict[str, Callable[[Path, FileCloud], tuple[str, ...]]] = {
     ".ply": write_ply_cloud, ".pcd": write_pcd, ".las": write_las, ".laz": write_las,
+    ".e57": write_e57,
 }  # fmt: skip
 WRITTEN = tuple(_WRITERS)
 
@@ -19,7 +21,7 @@ def write_cloud(path: Path, cloud: FileCloud) -> tuple[str, ...]:
     """Write a cloud and return what of it the format does not hold, or holds changed.
 
     Args:
-        path: PLY, PCD, LAS or LAZ file, by its name.
+        path: PLY, PCD, LAS, LAZ or E57 file, by its name.
         cloud: The cloud; it holds a point at least.
 
     Raises:

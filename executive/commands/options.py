@@ -45,8 +45,8 @@ TargetArgument = Annotated[Path, typer.Argument(metavar="TARGET", help="The clou
 BothOption = Annotated[
     Path | None,
     typer.Option(
-        help="PLY, PCD, LAS or LAZ file for both, one colour each; if accepted; of a folder of "
-        "clouds, a folder, which is gone on with."
+        help="PLY, PCD, LAS, LAZ or E57 file for both, one colour each; if accepted; of a folder "
+        "of clouds, a folder, which is gone on with."
     ),
 ]
 CropOption = Annotated[

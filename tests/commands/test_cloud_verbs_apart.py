@@ -246,7 +246,10 @@ def test_a_file_that_cannot_be_written_is_refused_before_a_cloud_is_read(
     verb: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert executive(monkeypatch, verb, "none.ply", "none.ply", "--out", "both.txt") == 2
-    assert "--out: both.txt: name a .ply or .pcd or .las or .laz file" in capsys.readouterr().err
+    assert (
+        "--out: both.txt: name a .ply or .pcd or .las or .laz or .e57 file"
+        in capsys.readouterr().err
+    )
 
 
 def test_an_answer_holds_the_rival_and_the_doubt() -> None:

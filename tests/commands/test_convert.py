@@ -42,7 +42,7 @@ def same(one: FileCloud, points: np.ndarray, rows: slice | np.ndarray = slice(No
     assert np.array_equal(one.intensity, INTENSITY[rows])
 
 
-@pytest.mark.parametrize("suffix", ["las", "laz", "ply", "pcd"])
+@pytest.mark.parametrize("suffix", ["las", "laz", "ply", "pcd", "e57"])
 def test_colour_intensity_and_coordinate_system_go_into_every_format_and_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, suffix: str
 ) -> None:
@@ -149,9 +149,12 @@ def test_shares_and_fractions_as_intensities_are_told(
     [
         ("1 2 3 -4.5 10", "a.las", (), "an intensity is not within 0 to 65535"),
         ("1 2 3 nan 10", "a.laz", (), "write a PLY or PCD file"),
+        ("1 2 3 nan 10", "a.e57", (), "a.e57: an intensity is not finite"),
+        ("1 2 3 inf 10", "a.e57", (), "write a PLY or PCD file"),
+        ("1 2 3 4 10", "a.copc.laz", (), "COPC is read, not written; write a.laz, and have PDAL"),
         ("1 2 3 4 256", "a.pcd", (), "a.ply: a value of 'red' is not within 0 to 255"),
         ("1 2 3 4 nan", "a.pcd", (), "a.ply: a value of 'red' is not within 0 to 255"),
-        ("1 2 3 4 10", "a.xyz", (), "name a .ply or .pcd or .las or .laz file"),
+        ("1 2 3 4 10", "a.xyz", (), "name a .ply or .pcd or .las or .laz or .e57 file"),
         ("1 2 3 4 10", "a.ply", (), "is a file that is read; name another file"),
         ("1 2 3 4 10", "a.las", ("--crop", "9,9,1"), "--crop: no point is in 9,9,1"),
         ("1 2 3 4 10", "a.las", ("--pose", "1,2"), "--pose: '1,2' holds 2 numbers"),
@@ -178,7 +181,7 @@ def test_what_cannot_be_kept_is_refused_with_a_cure(
     assert Path("a.ply").read_bytes() == before
 
 
-@pytest.mark.parametrize("suffix", ["las", "laz", "pcd", "ply"])
+@pytest.mark.parametrize("suffix", ["las", "laz", "pcd", "ply", "e57"])
 def test_segments_keep_the_place_of_their_cloud(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, suffix: str
 ) -> None:

@@ -4,10 +4,16 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pye57
 import pytest
+from pye57 import libe57
 
 from executive import extras
+from executive.clouds import e57_writer
+from executive.clouds.e57 import e57_crs
+from executive.clouds.file_cloud import FileCloud, Place
 from executive.clouds.reader import read_cloud, read_points
+from executive.clouds.writer import write_cloud
 from executive.geometry.rotation import from_rpy
 from tests.clouds.e57_files import COLOURS, Scan, mended, write_e57
 from tests.commands.in_process import executive
@@ -173,3 +179,79 @@ def test_without_its_package_the_cure_is_told(
     monkeypatch.setattr(extras, "_is_installed", lambda name: name != "pye57" and is_there(name))
     assert executive(monkeypatch, "segment", site) == 2
     assert 'pip install "executive[e57]"' in capsys.readouterr().err
+
+
+def test_what_is_written_is_read_again_to_the_bit(tmp_path: Path) -> None:
+    points, names = LOCAL + PLACE + 1e-7, ("a.e57", "b.e57", "c.e57")
+    for colour in (COLOUR.astype(np.uint8), (COLOUR * 257 + 1 & 0xFFFF).astype(np.uint16)):
+        cloud = FileCloud(points, colour, INTENSITY * -3e4, Place("EPSG:2056"))
+        assert [write_cloud(tmp_path / name, cloud) for name in names] == [(), (), ()]
+        found = read_cloud(tmp_path / "a.e57")
+        assert np.array_equal(found.points, points)
+        assert np.array_equal(found.colour, colour)
+        assert found.colour.dtype == colour.dtype
+        assert np.array_equal(found.intensity, INTENSITY * np.float32(-3e4))
+        assert (found.place.crs, found.left_out) == ("EPSG:2056", ())
+        assert len({(tmp_path / name).read_bytes() for name in names}) == 1
+
+
+def test_other_programs_find_limits_and_points_of_one_scan(tmp_path: Path) -> None:
+    cloud = FileCloud(LOCAL + PLACE, COLOUR.astype(np.uint8), INTENSITY)
+    write_cloud(tmp_path / "a.e57", cloud)
+    with pye57.E57(str(tmp_path / "a.e57")) as file:
+        assert file.scan_count == 1
+        header = file.get_header(0)
+        read = file.read_scan(0, intensity=True, colors=True, ignore_missing_fields=True)
+        limits = header["colorLimits"]
+        ends = (header.xMinimum, header.zMaximum, header.intensityMinimum, header.intensityMaximum)
+        assert limits["colorGreenMaximum"].value() == 255
+    low, high = cloud.points.min(axis=0), cloud.points.max(axis=0)
+    assert ends == (low[0], high[2], INTENSITY.min(), INTENSITY.max())
+    assert np.array_equal(read["cartesianY"], cloud.points[:, 1])
+    assert np.array_equal(read["colorBlue"], COLOUR[:, 2])
+    assert np.array_equal(read["intensity"], INTENSITY)
+
+
+def test_a_cloud_of_one_point_without_colour_is_written(tmp_path: Path) -> None:
+    write_cloud(tmp_path / "a.e57", FileCloud(PLACE[None], intensity=np.float32([7.0])))
+    found = read_cloud(tmp_path / "a.e57")
+    assert (found.points.tolist(), found.intensity.tolist()) == ([PLACE.tolist()], [7.0])
+    assert found.colour is None
+    assert found.place.crs == ""
+
+
+def test_the_text_of_a_coordinate_system_is_what_a_las_file_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for records, text in (
+        (((2112, f"{LV95}\n\0".encode()),), LV95),
+        (((2112, b"\1" + LV95.encode()),), "EPSG:2056"),  # no text that XML can hold
+        ((), "EPSG:2056"),
+    ):
+        cloud = FileCloud(LOCAL + PLACE, place=Place("EPSG:2056", records))
+        write_cloud(tmp_path / "a.e57", cloud)
+        assert e57_crs(tmp_path / "a.e57") == text
+        assert read_cloud(tmp_path / "a.e57").place.crs == "EPSG:2056"
+
+
+def test_a_file_that_the_library_cannot_write_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, site: Path
+) -> None:
+    def refuse(*given: object) -> None:
+        raise libe57.E57Exception("the disk is full")
+
+    monkeypatch.setattr(e57_writer, "_write", refuse)
+    assert executive(monkeypatch, "convert", site, tmp_path / "out.e57") == 2
+    assert "out.e57: cannot be written (the disk is full)" in capsys.readouterr().err
+    assert not (tmp_path / "out.e57").exists()
+
+
+def test_without_its_package_no_file_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    write_cloud(tmp_path / "a.ply", FileCloud(LOCAL))
+    is_there = extras._is_installed
+    monkeypatch.setattr(extras, "_is_installed", lambda name: name != "pye57" and is_there(name))
+    assert executive(monkeypatch, "convert", tmp_path / "a.ply", tmp_path / "a.e57") == 2
+    assert 'pip install "executive[e57]"' in capsys.readouterr().err
+    assert not (tmp_path / "a.e57").exists()

@@ -34,6 +34,14 @@ def test_an_output_that_cannot_be_written_is_refused(monkeypatch, capsys, tmp_pa
 
 
 @pytest.mark.parametrize("verb", CLOUDS)
+def test_a_copc_file_is_not_promised(monkeypatch, capsys, tmp_path, verb):
+    monkeypatch.chdir(tmp_path)
+    assert executive(monkeypatch, verb, *CLOUDS[verb], "--out", "Site.COPC.laz") == 2
+    told = "error: --out: Site.COPC.laz: COPC is read, not written; write Site.laz, and have"
+    assert capsys.readouterr().err.startswith(told)
+
+
+@pytest.mark.parametrize("verb", CLOUDS)
 def test_a_setting_that_does_not_exist_is_refused(monkeypatch, capsys, tmp_path, verb):
     monkeypatch.chdir(tmp_path)
     capability = {"register": "registration", "align": "alignment", "segment": "segmentation"}[verb]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from executive.commands.console import answer, check_output, say
+from executive.commands.console import answer, say
 from executive.commands.options import CloudArgument, JsonOption
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def convert(
     cloud: CloudArgument,
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="PLY, PCD, LAS or LAZ file.")],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="PLY, PCD, LAS, LAZ or E57 file.")],
     crop: Annotated[
         str | None,
         typer.Option(
@@ -43,7 +43,7 @@ def convert(
 ) -> None:
     """Write a cloud in another format.
 
-    PLY, PCD, LAS and LAZ are written, with colour, intensity and coordinate system.
+    PLY, PCD, LAS, LAZ and E57 are written, with colour, intensity and coordinate system.
 
     A cloud that is moved has the coordinate system that the pose's answer names, or none.
 
@@ -51,11 +51,12 @@ def convert(
     """
     from executive.clouds.point_collector import first_in_cells
     from executive.clouds.reader import read_cloud
-    from executive.clouds.writer import WRITTEN, write_cloud
+    from executive.clouds.writer import write_cloud
     from executive.commands.clouds.crop import Crop
     from executive.commands.clouds.guess import read_guess
+    from executive.commands.clouds.output import check_cloud_output
 
-    check_output("OUT", out, *WRITTEN, read=(cloud,))
+    check_cloud_output("OUT", out, read=(cloud,))
     area = Crop(crop)
     T, scale = read_guess(pose, "--pose")
     whole = read_cloud(cloud)

@@ -10,12 +10,13 @@ from executive.clouds.coordinate_system import coordinate_system
 from executive.clouds.file_cloud import Place
 from executive.clouds.ply_writer import coloured_parts
 from executive.clouds.reader import read_site
-from executive.clouds.writer import WRITTEN, write_cloud
+from executive.clouds.writer import write_cloud
 from executive.commands.clouds.alignment_answer import alignment_answer, alignment_view, verdict
 from executive.commands.clouds.crop import Crop
 from executive.commands.clouds.folder import Batch, check_batch, each_of
+from executive.commands.clouds.output import check_cloud_output
 from executive.commands.clouds.view import check_view, recording_of, show
-from executive.commands.console import answer, check_output, say
+from executive.commands.console import answer, say
 from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 
@@ -54,7 +55,7 @@ class Overlay:
         if self.source.is_dir():
             check_batch(self.source, self.out, self.as_json, self.is_shown)
         else:
-            check_output("--out", self.out, *WRITTEN, read=(self.source, self.target))
+            check_cloud_output("--out", self.out, read=(self.source, self.target))
         check_view(self.is_shown)
 
     def run(self, lay: Lay, asked: Mapping[str, Any]) -> int:

@@ -14,7 +14,7 @@ from executive.commands.clouds.view import (
     shifted,
     show,
 )
-from executive.commands.console import answer, check_output, say
+from executive.commands.console import answer, say
 from executive.commands.options import CropOption, JsonOption, SetOption, settings
 
 if TYPE_CHECKING:
@@ -39,8 +39,8 @@ def segment(
     out: Annotated[
         Path | None,
         typer.Option(
-            help="PLY, PCD, LAS or LAZ file for the segments, one colour each; of a folder of "
-            "clouds, a folder, which is gone on with."
+            help="PLY, PCD, LAS, LAZ or E57 file for the segments, one colour each; of a folder "
+            "of clouds, a folder, which is gone on with."
         ),
     ] = None,
     as_json: JsonOption = False,
@@ -54,17 +54,17 @@ def segment(
 
     Example: executive segment site.ply --out stones.ply
     """
-    from executive.clouds.writer import WRITTEN
     from executive.commands.chosen import chosen
     from executive.commands.clouds.crop import Crop
     from executive.commands.clouds.folder import Batch, check_batch, each_of
+    from executive.commands.clouds.output import check_cloud_output
     from executive.interfaces.segmentation import Segmenter
     from executive.tree.choices import Choices
 
     area = Crop(crop)
     check_view(view)
     if not cloud.is_dir():
-        check_output("--out", out, *WRITTEN, read=(cloud,))
+        check_cloud_output("--out", out, read=(cloud,))
     else:
         check_batch(cloud, out, as_json, view)
     set_words = settings(set_, segmentation=method)

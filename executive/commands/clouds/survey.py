@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from executive.commands.console import answer, check_output, say
+from executive.commands.console import answer, say
 from executive.commands.options import JsonOption, SeedOption, SetOption
 from executive.errors import ConfigError
 
@@ -23,7 +23,7 @@ def survey(  # noqa: PLR0913 - the options of the command line, each a parameter
         Path, typer.Argument(metavar="PHOTOGRAPHS", help="Folder of pictures, JPEG or PNG.")
     ],
     out: Annotated[
-        Path, typer.Option(help="PLY, PCD, LAS or LAZ file for the cloud, in metres, z up.")
+        Path, typer.Option(help="PLY, PCD, LAS, LAZ or E57 file for the cloud, in metres, z up.")
     ],
     positions: Annotated[
         Path | None, typer.Option(help="CSV of camera positions: name,x,y,z or name,lat,lon,alt.")
@@ -52,12 +52,13 @@ def survey(  # noqa: PLR0913 - the options of the command line, each a parameter
 
     from executive.clouds.file_cloud import Place
     from executive.clouds.ply_writer import coloured_parts
-    from executive.clouds.writer import WRITTEN, write_cloud
+    from executive.clouds.writer import write_cloud
     from executive.commands.chosen import chosen
+    from executive.commands.clouds.output import check_cloud_output
     from executive.interfaces.surveying import Survey
     from executive.tree.choices import Choices
 
-    check_output("--out", out, *WRITTEN)
+    check_cloud_output("--out", out)
     given = _given(photographs, positions, view_angle)
 
     def known(model: type["Settings"]) -> Mapping[str, Any]:
