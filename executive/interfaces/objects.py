@@ -104,7 +104,8 @@ class ObjectDatabase(Plugin, ABC):
     def unexplained(self, map_cloud: Cloud, stone_id: int, radius_m: float) -> Cloud:
         """Return the map around a stone's centroid without the points of other lying stones.
 
-        Ground and the stone's own points are kept.
+        Ground and the stone's own points are kept. Ground below another stone, which was seen
+        before that stone lay there, may be left out.
 
         Args:
             map_cloud: The map, in the frame `map`.

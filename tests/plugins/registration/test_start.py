@@ -34,9 +34,10 @@ def compiled():
     return {name: len(loop.signatures) for name, loop in loops}
 
 segmentation = GroundAndClusters(GroundAndClustersSettings())
-registrar = SegmentShot(SegmentShotSettings(), segmentation, Gicp(GicpSettings()))
-segmentation.start()
-registrar.start()
+alignment = Gicp(GicpSettings())
+registrar = SegmentShot(SegmentShotSettings(), segmentation, alignment)
+for plugin in (segmentation, alignment, registrar):
+    plugin.start()
 before = compiled()
 clouds = np.load(sys.argv[1])
 target, source = Cloud("map", clouds["target"]), Cloud("survey", clouds["source"])
