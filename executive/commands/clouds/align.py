@@ -48,7 +48,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     as_json: JsonOption = False,
     view: ViewOption = False,
 ) -> None:
-    """Lay one cloud over another, or each of a folder, from a guess.
+    """Lay clouds over another one, from a guess.
 
     Exit status 1 says that no motion was accepted, or not that of each cloud of the folder.
 

@@ -34,7 +34,7 @@ def register(  # noqa: PLR0913 - the options of the command line, each a paramet
     as_json: JsonOption = False,
     view: ViewOption = False,
 ) -> None:
-    """Lay one cloud over another, or each of a folder, without a guess.
+    """Lay clouds over another one, without a guess.
 
     Exit status 1 says that no motion was accepted, or not that of each cloud of the folder.
 
