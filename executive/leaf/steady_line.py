@@ -15,7 +15,9 @@ def steady_line(
     """Return a motion over the same postures whose tool moves at a constant speed.
 
     The speed rises along 3u² − 2u³ within the ramp, and falls so before the end. A line that is
-    too short for both ramps is slower throughout.
+    too short for both ramps is slower throughout. The tool is slower where a joint would be faster
+    than anywhere in the given motion, which keeps the joints' limits: an arm with more joints than
+    the tool needs may change its posture while the tool hardly moves.
 
     Args:
         trajectory: A motion of the tool along a line, without a way back.
@@ -23,8 +25,9 @@ def steady_line(
         speed_m_s: Speed between the ramps [m/s].
         ramp_s: Time of each ramp [s].
     """
-    rises = np.insert(np.diff(passed_m) > _STILL_M, 0, True)
-    way, postures = passed_m[rises], trajectory.position[rises]
+    paced_m = _paced(trajectory, passed_m, speed_m_s)
+    rises = np.insert(np.diff(paced_m) > _STILL_M, 0, True)
+    way, postures = paced_m[rises], trajectory.position[rises]
     total_m = float(way[-1])
     if total_m < _STILL_M:
         return trajectory
@@ -37,6 +40,16 @@ def steady_line(
     velocity = np.gradient(position, stamps, axis=0)
     velocity[[0, -1]] = 0.0
     return JointTrajectory(trajectory.names, stamps, position, velocity)
+
+
+def _paced(trajectory: JointTrajectory, passed_m: Float, speed_m_s: float) -> Float:
+    """Return the way [m], (m,): of the tool, or what it would pass in the time a joint needs."""
+    fastest = np.abs(trajectory.velocity).max(axis=0)
+    moves = fastest > 0.0
+    steps = np.abs(np.diff(trajectory.position, axis=0))[:, moves]
+    least_s = (steps / fastest[moves]).max(axis=1, initial=0.0)
+    steps_m = np.maximum(np.diff(passed_m), speed_m_s * least_s)
+    return np.asarray(np.insert(np.cumsum(steps_m), 0, 0.0))
 
 
 def _ramped(time_s: Float, ramp_s: float) -> Float:
