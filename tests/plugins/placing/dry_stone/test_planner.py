@@ -196,6 +196,15 @@ def test_what_cannot_be_used_is_refused_with_its_reason(stones, settings, reason
     assert (plan.targets, plan.reason) == ((), reason)
 
 
+def test_a_flat_natural_stone_is_used() -> None:
+    """It is as slender as the flattest of 100 scans with room at its sides, and lies well."""
+    plan = planner().propose(bare(), (box("flat", 1.2, 0.9, 0.25),), rng())
+    assert [target.stone for target in plan.targets] == ["flat"]
+    assert planner(slenderest=3.5).propose(
+        bare(), (box("flat", 1.2, 0.9, 0.25),), rng()
+    ).reason == ("all_unsuitable")
+
+
 class OnlyAtTheEnd:
     """A check that refuses every place but those at one end of the wall, and notes what it saw."""
 
