@@ -151,3 +151,18 @@ def test_an_arm_that_does_not_get_up_is_a_failure(stage, world):
     ended = world.tick(TrialLift, hold=world.hold)
     assert ended.status == "FAILURE"
     assert "off its goal" in ended.reason
+
+
+@pytest.mark.parametrize(
+    ("share", "told"), [(-0.8, "the ground still carries"), (1, "off its goal")]
+)
+def test_an_arm_that_is_held_back_by_a_stone_on_the_ground_is_told_as_that(
+    stage, world, database, share, told
+):
+    """Jaws that slide up on a stone that widens downwards press it down: they carry less than 0."""
+    planned(stage, world, off_rad=0.05)
+    world.leaf_context.payload = share * held_kg(world, database)
+    ended = world.tick(TrialLift, hold=world.hold)
+    assert ended.status == "FAILURE"
+    assert told in ended.reason
+    assert "carry" not in world.leaf_context.holds
