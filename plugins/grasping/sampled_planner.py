@@ -184,12 +184,7 @@ class SampledPlanner(GraspPlanner):
         failure. Where the worth is telling, simulation stops once there are enough firm grasps and
         no other one can become the best; the best is lifted again to confirm it.
         """
-        s, gripper = self._settings, self._machine.gripper
-        lifts = {
-            foot: SimulatedLift(gripper, scene.body(foot), scene.ground.normal, load.mass_kg)
-            for foot in self._rehearsal.feet
-        }
-        order = self.ordered(scene, pool)
+        s, order, lifts = self._settings, self.ordered(scene, pool), self._lifts(scene, load)
         found: list[_Lifted] = []
         firm, best = 0, -np.inf
         attainable = self._attainable(scene, pool, order.indices, T_map_base, load, refused)
@@ -206,13 +201,10 @@ class SampledPlanner(GraspPlanner):
             elif score < order.least_score:
                 refused["unlikely"] += 1
             else:
-                named = {
-                    name: float(values[i])
-                    for name, values in (*pool.costs.items(), *order.costs.items())
-                }
                 best = max(best, score)
-                costs = named | _costs_of(seen)
-                grasp = Grasp(T_map_gripper, gripper.max_opening_m, score, costs)
+                costs = _costs_at(i, pool.costs, order.costs) | _costs_of(seen)
+                opening_m = self._machine.gripper.max_opening_m
+                grasp = Grasp(T_map_gripper, opening_m, score, costs)
                 found.append(_Lifted(i, grasp, worth, seen))
             if tried == (s.rehearsed or s.max_grasps) or (not order.is_telling and firm == _ENOUGH):
                 break
@@ -222,6 +214,14 @@ class SampledPlanner(GraspPlanner):
         refused["unlikely"] += len(found) - len(likely)
         likely.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
         return tuple(likely[: s.max_grasps])
+
+    def _lifts(self, scene: PlanningCloud, load: _Load) -> dict[float, SimulatedLift]:
+        """Return the simulated lifts of a stone, by how far its unseen foot is drawn in."""
+        gripper, normal = self._machine.gripper, scene.ground.normal
+        return {
+            foot: SimulatedLift(gripper, scene.body(foot), normal, load.mass_kg)
+            for foot in self._rehearsal.feet
+        }
 
     def _confirm(
         self, found: list[_Lifted], lifts: Mapping[float, SimulatedLift], pool: Pool
@@ -293,6 +293,11 @@ class SampledPlanner(GraspPlanner):
                 refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
+
+
+def _costs_at(i: int, *costs: Mapping[str, Float]) -> dict[str, float]:
+    """Return the costs of one grasp of a pool, by name."""
+    return {name: float(values[i]) for one in costs for name, values in one.items()}
 
 
 def _costs_of(seen: Rehearsed | None) -> dict[str, float]:
