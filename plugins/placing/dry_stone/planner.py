@@ -2,10 +2,11 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any, ClassVar
 
 import numpy as np
+from executive_plugins.placing.dry_stone.check_order import CheckOrder
 from executive_plugins.placing.dry_stone.drops import compile_drops
 from executive_plugins.placing.dry_stone.height_maps import HeightMaps
 from executive_plugins.placing.dry_stone.parts import (
@@ -19,6 +20,7 @@ from executive_plugins.placing.dry_stone.parts import (
     part_of,
 )
 from executive_plugins.placing.dry_stone.rasters import WallTop
+from executive_plugins.placing.dry_stone.search import Search, key_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
 from executive_plugins.placing.dry_stone.spread import spread
 from executive_plugins.placing.dry_stone.stability import (
@@ -47,43 +49,6 @@ _CHECKS: Mapping[str, Any] = {
 _DOWN = np.array([0.0, 0.0, -1.0])
 _APART_M = 0.25  # of two places of one stone that are worth a check each
 _ARM_M = 0.5  # half a stone: a turn moves its ends by its angle times this
-
-
-@dataclass(slots=True)
-class _Search:
-    """The search for one stone.
-
-    Attributes:
-        generator: Proposes the places.
-        built: The structure as it stands.
-        usable: All stones that may be used.
-        rng: The only source of chance.
-        may_go_on: Whether there is time.
-        refused: Number of stones and places that were passed over, by reason.
-        found: The best places of each stone that was gone through, by its name, as many as are
-            kept when all stones are gone through again.
-        checked: Stone and pose of the places that were checked.
-        rested: Those at which the stone was let tilt, as it first touched.
-    """
-
-    generator: Generator
-    built: AsBuilt
-    usable: Sequence[SolidStone]
-    rng: np.random.Generator
-    may_go_on: MayGoOn
-    refused: Counter[str]
-    found: dict[str, Sequence[Place]] = field(default_factory=dict)
-    checked: set[tuple[str, bytes]] = field(default_factory=set)
-    rested: set[tuple[str, bytes]] = field(default_factory=set)
-
-    def go_on_with(self, generator: Generator) -> None:
-        """Propose places by this generator from now on."""
-        if generator is not self.generator:
-            self.generator, self.found = generator, {}
-
-    def unchecked(self, places: Sequence[Place]) -> list[Place]:
-        """Return the places that were not checked yet."""
-        return [one for one in places if _key(one) not in self.checked]
 
 
 class DryStone(StructurePlanner):
@@ -123,7 +88,7 @@ class DryStone(StructurePlanner):
         usable = self._usable(inventory, refused)
         if reason := _why_none(inventory, usable, refused):
             return BuildPlan((), reason, dict(refused), self._detail(reason))
-        search = _Search(self._generator, built, usable, rng, may_go_on, refused)
+        search = Search(self._generator, built, usable, rng, may_go_on, refused)
         stones = self._tried_first(usable, rng)
         targets: list[BuildTarget] = []
         for generator, kept in self._rounds():
@@ -141,9 +106,7 @@ class DryStone(StructurePlanner):
         rounds = [(self._generator, kept), (self._generator, tries)]
         return rounds if self._settings.generator.finer == 1 else [*rounds, (self._finer, tries)]
 
-    def _first(
-        self, stones: Sequence[SolidStone], kept: int, search: "_Search"
-    ) -> list[BuildTarget]:
+    def _first(self, stones: Sequence[SolidStone], kept: int, search: Search) -> list[BuildTarget]:
         """Return the targets of the first lot of stones that has one, by so many places a stone."""
         targets: list[BuildTarget] = []
         count = self._settings.generator.stones
@@ -159,16 +122,20 @@ class DryStone(StructurePlanner):
         wall = WallTop(built, self._settings.generator.cell)
         return wall.share_up_to(built.structure.height_m - self._settings.level)
 
-    def _held(self, ranked: Sequence[Place], search: "_Search") -> list[BuildTarget]:
-        """Return the first places that the check holds, of those that it has not refused yet."""
+    def _held(self, ranked: Sequence[Place], search: Search) -> list[BuildTarget]:
+        """Return the first places that the check holds, of those that were not checked yet."""
         targets: list[BuildTarget] = []
-        for place in search.unchecked(ranked)[: self._settings.check.tries]:
+        s = self._settings.check
+        order = CheckOrder(search.unchecked(ranked), search.failed, s.doubt)
+        for place in islice(order, s.tries):
             if not search.may_go_on() or len(targets) >= self._settings.targets:
                 break
             found = self._check.check(place, search.built, search.rng, search.may_go_on)
-            search.checked.add(_key(place))
+            search.checked.add(key_of(place))
             if found.refusal:
                 search.refused[found.refusal] += 1
+                search.failed.append(place.T_map_stone[:2, 3])
+                order.fail_at(search.failed[-1])
             else:
                 targets.append(self._target(place, found))
         return targets
@@ -196,7 +163,7 @@ class DryStone(StructurePlanner):
             order = np.concatenate([first, order[~np.isin(order, first)]])
         return [usable[n] for n in order]
 
-    def _ranked(self, stones: Sequence[SolidStone], kept: int, search: "_Search") -> list[Place]:
+    def _ranked(self, stones: Sequence[SolidStone], kept: int, search: Search) -> list[Place]:
         """Return the best places of each stone, so many of one, best first."""
         self._find(stones, search)
         known = [search.found[one.name] for one in stones if one.name in search.found]
@@ -205,7 +172,7 @@ class DryStone(StructurePlanner):
         best = [place for places in known for place in places[:kept]]
         return self._at_rest(sorted(best, key=lambda one: -one.score), search)
 
-    def _find(self, stones: Sequence[SolidStone], search: "_Search") -> None:
+    def _find(self, stones: Sequence[SolidStone], search: Search) -> None:
         """Go through all places of those stones that were not gone through yet."""
         new = [one for one in stones if one.name not in search.found]
         found = search.generator.places(search.built, new, search.rng, search.may_go_on)
@@ -213,16 +180,16 @@ class DryStone(StructurePlanner):
         for stone, places in zip(new, found, strict=False):  # fewer if the time is over
             search.found[stone.name] = self._best(places, most, search)
 
-    def _at_rest(self, ranked: Sequence[Place], search: "_Search") -> list[Place]:
+    def _at_rest(self, ranked: Sequence[Place], search: Search) -> list[Place]:
         """Return the best places anew, each in the tilt in which its stone comes to rest there."""
         s, generator = self._settings.generator, search.generator
         if not s.tilts or not isinstance(generator, TiltsToRest):
             return list(ranked)
         found: list[Place] = []
-        for place in [one for one in ranked if _key(one) not in search.rested][: s.rested]:
+        for place in [one for one in ranked if key_of(one) not in search.rested][: s.rested]:
             if not search.may_go_on():
                 break
-            search.rested.add(_key(place))
+            search.rested.add(key_of(place))
             places = generator.at_rest(place, search.built, search.usable)
             if places is None:
                 search.refused["tilts_away"] += 1
@@ -230,7 +197,7 @@ class DryStone(StructurePlanner):
                 found += self._best([places], 1, search)
         return sorted(found, key=lambda one: -one.score)
 
-    def _best(self, found: Sequence[Places], kept: int, search: "_Search") -> list[Place]:
+    def _best(self, found: Sequence[Places], kept: int, search: Search) -> list[Place]:
         """Return the best places of one stone that are apart, best first."""
         if not found:
             return []
@@ -272,10 +239,6 @@ class DryStone(StructurePlanner):
         if reason == "all_unsuitable":
             return "every stone is too heavy, or a needle or slab by building.slenderest"
         return ""
-
-
-def _key(place: Place) -> tuple[str, bytes]:
-    return place.stone.name, place.T_map_stone.tobytes()
 
 
 def _check_names(inventory: Sequence[SolidStone]) -> None:

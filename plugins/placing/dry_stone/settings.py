@@ -118,6 +118,10 @@ class CheckSettings(Settings):
     reseated: Meters = Field(0.01, gt=0, le=0.5, description=(
         "Largest distance by which it may move there [m]: what a wall may drift."))  # fmt: skip
     tries: int = Field(100, ge=1, description="Places of each lot of stones that are checked.")
+    doubt: float = Field(1.0, ge=0, description=(
+        "Taken off the score of places near one where a stone did not hold (0.25 m, one standard "
+        "deviation), as much as a term of the score is worth; 0 checks by the score alone."
+    ))  # fmt: skip
 
 
 class DryStoneSettings(PluginSettings):

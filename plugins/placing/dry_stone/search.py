@@ -1,0 +1,57 @@
+"""What one search for the next stone has found so far."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from executive_plugins.placing.dry_stone.parts import Generator, Place
+
+from executive.arrays import Float
+from executive.interfaces.building import MayGoOn
+from executive.messages.building import AsBuilt
+from executive.messages.solid_stone import SolidStone
+
+
+@dataclass(slots=True)
+class Search:
+    """The search for one stone.
+
+    Attributes:
+        generator: Proposes the places.
+        built: The structure as it stands.
+        usable: All stones that may be used.
+        rng: The only source of chance.
+        may_go_on: Whether there is time.
+        refused: Number of stones and places that were passed over, by reason.
+        found: The best places of each stone that was gone through, by its name, as many as are
+            kept when all stones are gone through again.
+        checked: Stone and pose of the places that were checked.
+        rested: Those at which the stone was let tilt, as it first touched.
+        failed: Where a stone did not hold, from above [m], shape (2,) each.
+    """
+
+    generator: Generator
+    built: AsBuilt
+    usable: Sequence[SolidStone]
+    rng: np.random.Generator
+    may_go_on: MayGoOn
+    refused: Counter[str]
+    found: dict[str, Sequence[Place]] = field(default_factory=dict)
+    checked: set[tuple[str, bytes]] = field(default_factory=set)
+    rested: set[tuple[str, bytes]] = field(default_factory=set)
+    failed: list[Float] = field(default_factory=list)
+
+    def go_on_with(self, generator: Generator) -> None:
+        """Propose places by this generator from now on."""
+        if generator is not self.generator:
+            self.generator, self.found = generator, {}
+
+    def unchecked(self, places: Sequence[Place]) -> list[Place]:
+        """Return the places that were not checked yet."""
+        return [one for one in places if key_of(one) not in self.checked]
+
+
+def key_of(place: Place) -> tuple[str, bytes]:
+    """Return what tells a stone at a place from all others."""
+    return place.stone.name, place.T_map_stone.tobytes()
