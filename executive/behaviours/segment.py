@@ -2,6 +2,7 @@
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,11 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.surroundings import map_cloud
 from executive.messages.cloud import Cloud
+from executive.messages.moving_places import MovingPlaces
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone
 
+_MOST_MOVING = 0.5  # share of a part's points in places of which the map says that they do
 _BEYOND_REACH_M = 1.0  # of the survey is kept, for stones at the border of the reach
 
 
@@ -66,6 +69,9 @@ class SegmentMap(Action[SegmentMapSettings]):
     those stones that only one of the two maps shows. Before, the survey is laid onto the map from
     place to place, see `local_shift`: a stone that both show would have two surfaces otherwise.
     A stone's model includes its foot, where the jaws close.
+
+    What the mapper has seen to move, a person or a stone that rolls, is told as moving, and is no
+    stone.
     """
 
     needs = (Mapper, Segmenter, ObjectDatabase)
@@ -78,12 +84,14 @@ class SegmentMap(Action[SegmentMapSettings]):
             drone_map: The drone's map expressed in the frame `map`.
         """
         segmenter, clouds = self.context.use(Segmenter), [(yield from map_cloud(self.context))]
+        moving = self.context.use(Mapper).moving()
         if drone_map is not None:
             clouds.append((yield from self._fitted(self._in_reach(drone_map), clouds[0])))
         merged = yield from self.context.job(segmenter.merge, clouds)
         if not len(merged):
             return failed("the map is empty: scan first")
         segmentation = yield from self.context.job(segmenter.segment, merged)
+        segmentation = segmentation.with_moving(partial(_moves, moving))
         stones = yield from self.context.job(
             self.context.use(ObjectDatabase).observe,
             [segment.with_foot() for segment in segmentation.segments],
@@ -114,6 +122,16 @@ class SegmentMap(Action[SegmentMapSettings]):
         """Return the part of the survey that the arm can reach and the lidar map can confirm."""
         base = self.context.state().T_map_base[:2, 3]
         return drone_map.near(base, self.context.machine().reach_m + _BEYOND_REACH_M)
+
+
+def _moves(places: MovingPlaces, points_map: Float) -> str:
+    """Say why a part moves; empty if it stands."""
+    share = places.share(points_map)
+    return (
+        f"{share:.0%} of its points are where nothing was a moment ago, or are seen through"
+        if share > _MOST_MOVING
+        else ""
+    )
 
 
 def _shifts(

@@ -10,6 +10,7 @@ from executive.interfaces.plugin import Plugin
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from executive.messages.moving_places import MovingPlaces
 from executive.messages.sector import Sector
 
 
@@ -70,3 +71,10 @@ class Mapper(Plugin, ABC):
     @abstractmethod
     def cloud(self) -> Cloud:
         """Return the present map, in the frame `map`; deterministic in order."""
+
+    def moving(self) -> MovingPlaces:
+        """Return where something moves at present: what is there does not stand on the site.
+
+        It is called in the tick: be fast. There are none in a mapper that does not tell.
+        """
+        return MovingPlaces(1.0, np.empty((0, 3), dtype=np.int64))

@@ -1,6 +1,7 @@
 """Object-like parts of a cloud, and what else rises from its ground."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
@@ -47,6 +48,7 @@ class PartKind(StrEnum):
     TOO_LARGE = "too_large"
     TOO_SMALL = "too_small"
     STRUCTURE = "structure"  # flat, or wider than any heap: a wall, a building, a slope
+    MOVING = "moving"  # it came a moment ago or is leaving; one cloud alone does not show that
     UNKNOWN = "unknown"
 
 
@@ -60,6 +62,8 @@ class LeftOut:
         points: Number of its points.
         centroid: Mean of the points [m], shape (3,).
         extents: Side lengths of the box along the principal axes, longest first [m], shape (3,).
+        surface: Its points in the frame of the segmented cloud [m], shape (N, 3); none where the
+            method does not tell them.
     """
 
     kind: PartKind
@@ -67,8 +71,10 @@ class LeftOut:
     points: int
     centroid: Float
     extents: Float
+    surface: Float = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "surface", checked("surface", self.surface, None, 3))
         object.__setattr__(self, "centroid", checked("centroid", self.centroid, 3))
         object.__setattr__(self, "extents", checked("extents", self.extents, 3))
 
@@ -97,3 +103,27 @@ class Segmentation:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ground_plane", checked("ground_plane", self.ground_plane, 4))
+
+    def with_moving(self, reason_of: Callable[[Float], str]) -> "Segmentation":
+        """Return the segmentation with what moves left out as such.
+
+        Args:
+            reason_of: Says of a part's points [m], shape (N, 3), why it moves; empty if it stands.
+        """
+        moving, segments, rest = list[LeftOut](), list[Segment](), list[LeftOut]()
+        for one in self.segments:
+            if reason := reason_of(one.points):
+                what = PartKind.MOVING, reason, len(one.points)
+                moving.append(LeftOut(*what, one.centroid, one.extents, one.points))
+            else:
+                segments.append(replace(one, id=len(segments)))
+        for part in self.left_out:
+            reason = reason_of(part.surface) if len(part.surface) else ""
+            if reason:
+                moving.append(replace(part, kind=PartKind.MOVING, reason=reason))
+            else:
+                rest.append(part)
+        if not moving:
+            return self
+        left_out = sorted((*moving, *rest), key=lambda part: -part.points)
+        return replace(self, segments=tuple(segments), left_out=tuple(left_out))

@@ -9,20 +9,27 @@ Whether something is there is known by its log-odds (Hornung et al. 2013, Sec. I
 that sees through a place takes an equal share away, all of it after some in a row, and a return
 makes it certain again, for hardly anything else returns rays. What is occluded is passed by no ray
 and stays. Own addition to the method of the paper, whose map only grows.
+
+A place without returns, which a scan pair of the last seconds saw to be empty, and into which
+returns fall now, is one that something came into. Such places, and those that are seen through at
+present, hold what moves.
 """
 
 import numpy as np
+from executive_plugins.mapping.earlier_views import EarlierViews
 from executive_plugins.mapping.range_image import nearest_returns, passed_on_both_sides
 from numba import njit
 from numpy.typing import NDArray
 
 from executive.arrays import Float, Int
+from executive.messages.moving_places import MovingPlaces
 
 VOXELS = 4  # along the edge of a place
 _MEMORY = 100  # returns over which a mean is taken
 _FIRST_COUNT = 1 << 14
 _FORGOTTEN = -1  # in place of the misses in a row of a place
 _FEW = 1024  # rows of forgotten places that are left alone
+_NEVER = -(1 << 40)  # pair in which something came into a place where nothing was seen to come
 Ids = NDArray[np.int32]
 
 
@@ -30,7 +37,13 @@ class Carver:
     """Counts how often each place about the machine was seen through."""
 
     def __init__(
-        self, voxel_m: float, radius_m: float, margin_m: float, after: int, smallest_m: float
+        self,
+        voxel_m: float,
+        radius_m: float,
+        margin_m: float,
+        after: int,
+        smallest_m: float,
+        standing_after: int,
     ) -> None:
         """Start with nothing known.
 
@@ -40,9 +53,11 @@ class Carver:
             margin_m: Distance behind a place at which a ray must end to have passed through it [m].
             after: Scan pairs in a row until a place is forgotten.
             smallest_m: Width of the smallest thing that is kept between two rays [m].
+            standing_after: Scan pairs after which what came into a place counts as standing there.
         """
         self._edge_m, self._margin_m, self._after = VOXELS * voxel_m, margin_m, after
-        self._smallest_m = smallest_m
+        self._smallest_m, self._standing_after = smallest_m, standing_after
+        self._earlier = EarlierViews(standing_after, smallest_m, margin_m)
         self._half = int(np.ceil(radius_m / self._edge_m)) + 1
         self._pair = 0
         self.begin(np.zeros(3), np.empty((0, 3)))
@@ -50,8 +65,9 @@ class Carver:
     @classmethod
     def compile(cls) -> None:
         """Compile the inner loops."""
-        warm_up = cls(0.05, 1.0, 0.1, 1, 0.25)
-        warm_up.see([(np.zeros(3), np.full((1, 3), 0.5))])
+        warm_up = cls(0.05, 1.0, 0.1, 1, 0.25, 1)
+        for side_m in (0.5, -0.5):
+            warm_up.see([(np.zeros(3), np.full((1, 3), side_m))])
 
     def begin(self, centre_map: Float, points_map: Float) -> None:
         """Begin anew about a centre, with the points that the map has there [m], shape (N, 3)."""
@@ -59,9 +75,11 @@ class Carver:
         self._ids = np.full((2 * self._half,) * 3, -1, dtype=np.int32)
         self._cells = np.empty((_FIRST_COUNT, 3), dtype=np.int64)
         self._means = np.zeros((_FIRST_COUNT, 3))
-        # rows: returns, pair of the last return, pair of the last miss, misses in a row
-        self._counts = np.zeros((_FIRST_COUNT, 4), dtype=np.int64)
+        # rows: returns, pair of the last return, pair of the last miss, misses in a row, pair in
+        # which something came
+        self._counts = np.zeros((_FIRST_COUNT, 5), dtype=np.int64)
         self._used = self._forgotten = 0
+        self._earlier.clear()
         self._hit(points_map)
         self._counts[: self._used, 1] = -1
 
@@ -76,12 +94,17 @@ class Carver:
             Lowest voxel index of each place to forget, shape (K, 3).
         """
         self._pair += 1
+        first = self._used
         for _, points in views:
             self._hit(points)
-        for origin, points in views:
+        came = self._earlier.saw_empty(self._means[first : self._used])
+        self._counts[first : self._used, 4][came] = self._pair
+        seen = [(origin, nearest_returns(origin, points)) for origin, points in views]
+        self._earlier.add(self._pair, seen)
+        for origin, nearest in seen:
             _look_beside(
                 origin,
-                nearest_returns(origin, points),
+                nearest,
                 self._means,
                 self._counts[: self._used],
                 (self._smallest_m, self._margin_m),
@@ -100,6 +123,13 @@ class Carver:
         """Take in points that were not seen now but are known to be there [m], shape (N, 3)."""
         self._hit(points_map)
 
+    def moving(self) -> MovingPlaces:
+        """Return the places that something came into, or that are seen through at present."""
+        counts = self._counts[: self._used]
+        is_new = counts[:, 4] > self._pair - self._standing_after
+        is_left = (counts[:, 3] > 0) & (counts[:, 2] == self._pair)
+        return MovingPlaces(self._edge_m, self._cells[: self._used][is_new | is_left])
+
     def _close_gaps(self) -> None:
         """Take the forgotten places out of the table: one that is seen again gets another row."""
         left = np.flatnonzero(self._counts[: self._used, 3] != _FORGOTTEN)
@@ -113,7 +143,7 @@ class Carver:
             more = max(len(self._cells), len(points))
             self._cells = np.vstack([self._cells, np.empty((more, 3), dtype=np.int64)])
             self._means = np.vstack([self._means, np.zeros((more, 3))])
-            self._counts = np.vstack([self._counts, np.zeros((more, 4), dtype=np.int64)])
+            self._counts = np.vstack([self._counts, np.zeros((more, 5), dtype=np.int64)])
         self._used = _hit(
             points,
             self._low,
@@ -151,6 +181,7 @@ def _hit(  # noqa: PLR0913 - arrays of one table
             ids[i, j, k] = used
             cells[used] = (i + low[0], j + low[1], k + low[2])
             counts[used] = 0
+            counts[used, 4] = _NEVER
             used += 1
         counts[place, 0] += 1
         counts[place, 1] = pair

@@ -174,3 +174,11 @@ class VoxelMapSettings(MapSettings):
         description="Width of the smallest thing that is kept where rays pass on both sides of it "
         "[m].",
     )
+    standing_after: int = Field(
+        20,
+        ge=1,
+        le=1000,
+        description="Scan pairs after which what came into a place that was seen to be empty "
+        "stands there; until then it moves. 2 s at 10 Hz: slower than half of its own width in "
+        "that time, a thing stands.",
+    )

@@ -27,6 +27,7 @@ from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.lidar import LidarScan
 from executive.messages.motion import Motion
+from executive.messages.moving_places import MovingPlaces
 from executive.messages.sector import Sector
 
 _LAYERS = 3  # of voxels that noise spreads a surface over
@@ -83,7 +84,12 @@ class VoxelMap(Mapper):
         if s.forget_after:
             Carver.compile()
             self._carver = Carver(
-                s.voxel_m, s.radius_m, s.seen_through_m, s.forget_after, s.smallest_m
+                s.voxel_m,
+                s.radius_m,
+                s.seen_through_m,
+                s.forget_after,
+                s.smallest_m,
+                s.standing_after,
             )
 
     def close(self) -> None:
@@ -216,6 +222,14 @@ class VoxelMap(Mapper):
                 if changes == self._changes:
                     self._cloud = cloud
             return cloud
+
+    def moving(self) -> MovingPlaces:
+        """Return the places that something came into within `standing_after` scan pairs, or that
+        the newest pair sees through; none if the map does not forget.
+        """
+        self._running()
+        with self._changing:
+            return super().moving() if self._carver is None else self._carver.moving()
 
     def _changed(self) -> None:
         self._cloud = None

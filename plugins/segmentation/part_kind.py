@@ -166,4 +166,4 @@ class PartJudge:
 def left_out(points: Float, kind: PartKind, reason: str, centre: Float) -> LeftOut:
     """Return what is told of a part; its points are relative to a centre [m]."""
     mean = moments(points)[0] + centre
-    return LeftOut(kind, reason, len(points), mean, principal_extents(points))
+    return LeftOut(kind, reason, len(points), mean, principal_extents(points), points + centre)

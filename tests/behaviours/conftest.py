@@ -24,6 +24,7 @@ from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
 from executive.messages.joints import JointSample
+from executive.messages.moving_places import MovingPlaces
 from executive.messages.segment import Segment
 from executive.tree.build import build_tree, halt
 from executive.tree.key_source import Ref
@@ -232,9 +233,13 @@ class PointMap(Mapper):
         self.points = np.asarray(points, dtype=float).reshape(-1, 3)
         self.masks = []
         self.seen = np.empty((0, 3))  # of what the jaws hold
+        self.restless = np.empty((0, 3), dtype=np.int64)  # cubes of 1 m in which something moves
 
     def held(self):
         return Cloud("gripper", self.seen)
+
+    def moving(self):
+        return MovingPlaces(1.0, self.restless)
 
     def add_scan_pair(self, scans, motion):
         raise NotImplementedError("no leaf adds scans")

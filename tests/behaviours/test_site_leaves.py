@@ -260,6 +260,31 @@ def test_what_is_no_stone_is_recorded_with_its_reason(stage, database):
     assert (event.scattered_points, event.warnings) == (7, ("is z down?",))
 
 
+def test_what_moves_is_told_and_is_no_stone(stage, database):
+    stone, person = stage.block((5.5, 0.5, 0.3)), stage.block((8.5, 0.5, 0.3))
+    segmenter = stage.Scripted(Segmenter, segment=segmentation(person, stone), merge=merged)
+    mapper = stage.PointMap(np.vstack([stone, person]))
+    mapper.restless = np.array([[8, 0, 0], [8, 1, 0], [9, 0, 0]])
+    ended = stage.Stage(mapping=mapper, segmentation=segmenter, objects=database).tick(SegmentMap)
+    assert (ended.status, ended.reason) == ("SUCCESS", "1 stones")
+    (seen,) = ended.outputs["segmentation"].segments
+    assert seen.id == 0
+    np.testing.assert_array_equal(seen.points, stone)
+    (event,) = [event for event in ended.events if isinstance(event, SiteSegmented)]
+    (part,) = event.left_out
+    assert (part.kind, part.points) == ("moving", len(person))
+    assert "of its points are where nothing was a moment ago" in part.reason
+
+
+def test_a_site_on_which_all_moves_has_no_stone(stage, database):
+    person = stage.block((8.5, 0.5, 0.3))
+    segmenter = stage.Scripted(Segmenter, segment=segmentation(person), merge=merged)
+    mapper = stage.PointMap(person)
+    mapper.restless = np.unique(np.floor(person), axis=0).astype(np.int64)
+    ended = stage.Stage(mapping=mapper, segmentation=segmenter, objects=database).tick(SegmentMap)
+    assert (ended.status, ended.reason) == ("FAILURE", "no stone was found on the site")
+
+
 @pytest.mark.parametrize(
     ("seen", "at_least", "expected"),
     [

@@ -49,6 +49,10 @@ def test_a_mapper_sees_nothing_in_the_jaws() -> None:
     assert (held.frame, held.points.shape) == ("gripper", (0, 3))
 
 
+def test_a_mapper_tells_of_nothing_that_moves() -> None:
+    assert not least(Mapper).moving().hold(np.zeros((4, 3))).any()
+
+
 def test_a_monitor_measures_nothing() -> None:
     monitor = least(Monitor)
     assert (monitor.payload_kg(ANY), monitor.weight(), monitor.standing()) == (None, None, None)

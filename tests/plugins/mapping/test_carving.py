@@ -10,6 +10,7 @@ from executive_plugins.mapping.voxel_grid import VoxelGrid
 from executive.arrays import Float
 
 VOXEL_M = 0.03
+STANDING_AFTER = 20  # scan pairs
 GONE = np.array([[5.5, -0.5, 0.0], [6.5, 0.5, 0.9]])  # lowest and highest corner of a block [m]
 STAYS = np.array([[2.4, 2.4, 0.0], [3.4, 3.4, 1.2]])
 HIDDEN = np.array([[4.2, 4.2, 0.0], [4.9, 4.9, 0.4]])  # behind the one that stays
@@ -50,7 +51,7 @@ class World:
 
     def __init__(self, after: int) -> None:
         self.grid = VoxelGrid(VOXEL_M, 100)
-        self.carver = Carver(VOXEL_M, 10.0, 0.3, after, 0.25)
+        self.carver = Carver(VOXEL_M, 10.0, 0.3, after, 0.25, STANDING_AFTER)
         self.rng, self.swing_rad = np.random.default_rng(5), 0.0
         self.before: dict[int, int] = {}
 
@@ -116,11 +117,61 @@ def test_an_erased_voxel_begins_anew() -> None:
 
 
 def test_what_is_put_back_from_the_database_is_carved_only_once_it_is_seen_through() -> None:
-    carver = Carver(VOXEL_M, 10.0, 0.3, 2, 0.25)
+    carver = Carver(VOXEL_M, 10.0, 0.3, 2, 0.25, STANDING_AFTER)
     there = np.array([[3.0, 0.0, 0.0]])
     carver.add(there)
     view = (np.zeros(3), rays([-0.02, 0.02], [6.0, 6.0]))
     assert [len(carver.see([view])) for _ in range(3)] == [0, 1, 0]
+
+
+def share_moving(world: World, box: Float) -> float:
+    """Return the share of a box's points in places of which the map says that they move."""
+    points = world.grid.points()[0]
+    inside = (points > box[0] - 0.06).all(axis=1) & (points < box[1] + 0.06).all(axis=1)
+    return world.carver.moving().share(points[inside & (points[:, 2] > 0.25)])
+
+
+WALKER = np.array([[5.0, -1.0, 0.0], [5.4, -0.5, 1.7]])
+
+
+def test_what_walks_moves_and_what_stands_does_not() -> None:
+    world, step = World(3), np.array([0.0, 0.1, 0.0])  # 1 m/s at 10 Hz
+    world.run([STAYS], 30)
+    assert share_moving(world, STAYS) < 0.05
+    for k in range(20):
+        world.run([STAYS, WALKER + k * step], 1)
+    assert share_moving(world, WALKER + 19 * step) > 0.9
+    assert share_moving(world, STAYS) < 0.05
+
+
+def test_what_came_stands_once_it_has_stayed() -> None:
+    world = World(3)
+    world.run([STAYS], 30)
+    world.run([STAYS, WALKER], 1)
+    assert share_moving(world, WALKER) > 0.9
+    world.run([STAYS, WALKER], STANDING_AFTER - 1)
+    assert share_moving(world, WALKER) > 0.5
+    world.run([STAYS, WALKER], 1)
+    assert share_moving(world, WALKER) < 0.2  # what came into view later is not old enough yet
+
+
+def test_what_leaves_moves_until_it_is_forgotten() -> None:
+    world = World(6)
+    world.run([STAYS, WALKER], 40)
+    assert share_moving(world, WALKER) < 0.05
+    world.run([STAYS], 2)
+    assert share_moving(world, WALKER) > 0.5
+
+
+def test_what_a_shadow_hid_before_did_not_come() -> None:
+    """The place behind a block is seen for the first time when the block is taken away."""
+    behind = np.array([[3.6, 3.6, 0.0], [4.0, 4.0, 0.5]])
+    world = World(3)
+    world.run([STAYS, behind], 30)
+    assert world.count(behind) == 0
+    world.run([behind], 5)
+    assert world.count(behind) > 30
+    assert share_moving(world, behind) < 0.05
 
 
 def rays(ups_rad: list[float], ranges_m: list[float]) -> Float:
@@ -162,7 +213,7 @@ def flickering(few: int, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Float], 
     was forgotten, and how many rows the table has at the end.
     """
     monkeypatch.setattr(carving, "_FEW", few)
-    carver, rng = Carver(VOXEL_M, 10.0, 0.3, 2, 0.25), np.random.default_rng(3)
+    carver, rng = Carver(VOXEL_M, 10.0, 0.3, 2, 0.25, STANDING_AFTER), np.random.default_rng(3)
     forgotten = []
     for k in range(200):
         box = GONE + np.array([0.0, 0.6 * (k % 5) - 1.2, 0.0])

@@ -354,3 +354,36 @@ def test_a_map_that_is_restored_goes_on_like_the_one_that_was_kept(
     (kept_here, kept_there) = kept.keep(), other.keep()
     assert kept_here["held_radius_m"] == kept_there["held_radius_m"] == 0.75
     np.testing.assert_array_equal(kept_here["centre_map"], kept_there["centre_map"])
+
+
+def stood_before(scan: LidarScan, range_m: float) -> LidarScan:
+    """Return a scan of which the rays within 0.15 rad of ahead end on something."""
+    points = scan.points_lidar.copy()
+    ahead = np.abs(np.arctan2(points[:, 1], points[:, 0])) < 0.15
+    points[ahead] *= range_m / np.linalg.norm(points[ahead], axis=1)[:, None]
+    return LidarScan(scan.stamp_s, scan.frame, points, scan.point_stamps_s)
+
+
+@pytest.mark.parametrize(("settings", "moves"), [({}, True), ({"forget_after": 0}, False)])
+def test_what_steps_before_a_wall_moves_where_the_map_forgets(
+    make_map: Callable, make_yard: Callable, settings: dict[str, int], moves: bool
+) -> None:
+    yard, mapper = make_yard(rate_rad_s=0.0), make_map(**settings)
+    for k in range(30):
+        mapper.add_scan_pair(yard.pair(1 + 0.1 * k), yard.motion(1 + 0.1 * k))
+    wall = mapper.cloud().points
+    assert mapper.moving().share(wall) < 0.01
+    first, second = yard.pair(4.0)
+    mapper.add_scan_pair([stood_before(first, 3.0), second], yard.motion(4.0))
+    grown = mapper.add_scan_pair([stood_before(first, 3.0), second], yard.motion(4.0))
+    assert grown > 0
+    points = mapper.cloud().points
+    own = points[mapper.moving().hold(points)]
+    assert (len(own) > 100) == moves
+    distances_m = np.linalg.norm(own - yard.T_map_cabin(4.0)[:3, 3], axis=1)
+    assert (distances_m < 5.0).all()
+
+
+def test_a_map_that_is_not_started_tells_nothing_that_moves(machine: Machine) -> None:
+    with pytest.raises(ConfigError, match="not started"):
+        VoxelMap(VoxelMapSettings(), machine).moving()
