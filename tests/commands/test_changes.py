@@ -120,3 +120,58 @@ def test_what_the_later_cloud_does_not_show_is_unseen_and_not_gone(
     found = json.loads(capsys.readouterr().out)
     assert places(found["unseen"]) == [(0.0, 2.0)]
     assert (found["went"], found["came"], found["stayed"]) == ([], [], 2)
+
+
+def segmented(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
+    monkeypatch.setattr("sys.argv", ["executive", "segment", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    return int(ended.value.code or 0)
+
+
+def test_what_came_since_an_earlier_cloud_is_told_as_moving(
+    clouds: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before, after = clouds
+    assert segmented(monkeypatch, after, "--json") == 0
+    assert len(json.loads(capsys.readouterr().out)["segments"]) == 3
+    assert segmented(monkeypatch, after, "--earlier", before, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert places(found["segments"]) == [(-2.0, -2.0)]
+    assert found["segments"][0]["id"] == 0
+    assert sorted(places(found["left_out"])) == [(-2.0, 2.0), (2.0, 2.0)]
+    for part in found["left_out"]:
+        assert part["kind"] == "moving"
+        assert part["reason"].startswith("before.ply shows lower ground at ")
+    assert segmented(monkeypatch, after, "--earlier", after) == 0
+    assert "moving" not in capsys.readouterr().err
+
+
+def test_an_earlier_cloud_of_another_place_is_refused(
+    clouds: tuple[Path, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    write_parts(tmp_path / "far.ply", [read_points(clouds[0]) + [500.0, 0.0, 0.0]])
+    assert segmented(monkeypatch, clouds[1], "--earlier", tmp_path / "far.ply") == 2
+    told = capsys.readouterr().err
+    assert "the clouds share 0 of" in told
+    assert segmented(monkeypatch, clouds[1], "--earlier", tmp_path / "none.ply") == 2
+    assert "none.ply" in capsys.readouterr().err
+
+
+def test_the_answers_of_a_folder_are_of_one_earlier_cloud(
+    clouds: tuple[Path, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    before, after = clouds
+    folder, out = tmp_path / "clouds", tmp_path / "answers"
+    folder.mkdir()
+    (folder / "site.ply").write_bytes(after.read_bytes())
+    for words, count in (((), 3), (("--earlier", before), 1)):
+        assert segmented(monkeypatch, folder, "--out", out, *words) == 0
+        assert "done before" not in capsys.readouterr().err
+        assert len(json.loads((out / "site.ply.json").read_text())["segments"]) == count

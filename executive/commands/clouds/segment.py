@@ -1,5 +1,6 @@
 """`executive segment`: the objects on the ground of a cloud."""
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,12 +19,15 @@ from executive.commands.console import answer, say
 from executive.commands.options import CropOption, JsonOption, SetOption, settings
 
 if TYPE_CHECKING:
+    from executive.arrays import Float
     from executive.commands.clouds.crop import Crop
+    from executive.commands.clouds.earlier import EarlierCloud
     from executive.interfaces.segmentation import Segmenter
+    from executive.messages.cloud import Cloud
     from executive.messages.segment import LeftOut, Segment, Segmentation
 
 
-def segment(
+def segment(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     cloud: Annotated[
         Path,
         typer.Argument(
@@ -36,6 +40,14 @@ def segment(
     ] = None,
     set_: SetOption = None,
     crop: CropOption = None,
+    earlier: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="CLOUD",
+            help="An earlier cloud of the site in the same coordinates: what stands where it shows "
+            "lower ground is told as moving.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -56,6 +68,7 @@ def segment(
     """
     from executive.commands.chosen import chosen
     from executive.commands.clouds.crop import Crop
+    from executive.commands.clouds.earlier import EarlierCloud
     from executive.commands.clouds.folder import Batch, check_batch, each_of
     from executive.commands.clouds.output import check_cloud_output
     from executive.interfaces.segmentation import Segmenter
@@ -63,19 +76,21 @@ def segment(
 
     area = Crop(crop)
     check_view(view)
+    read = () if earlier is None else (earlier,)
     if not cloud.is_dir():
-        check_cloud_output("--out", out, read=(cloud,))
+        check_cloud_output("--out", out, read=(cloud, *read))
     else:
         check_batch(cloud, out, as_json, view)
     set_words = settings(set_, segmentation=method)
     choices = Choices(("segmentation",), set_words)
     with chosen(Segmenter, choices) as segmenter:
+        before = None if earlier is None else EarlierCloud(earlier)
+        work = partial(_segmented, partial(_found, segmenter, area, before))
         if cloud.is_dir():
-            asked = {"set": list(set_words), "crop": crop}
-            work = partial(_segmented, segmenter, area)
-            status = each_of(Batch(cloud, out, asked, "segments"), work)
+            asked = {"set": list(set_words), "crop": crop, **_asked(earlier)}
+            status = each_of(Batch(cloud, out, asked, "segments", read), work)
         else:
-            found = _segmented(segmenter, area, cloud, out, view)
+            found = work(cloud, out, view)
             status = int(not found["segments"])
             if as_json:
                 answer(found)
@@ -84,8 +99,26 @@ def segment(
     raise typer.Exit(status)
 
 
+def _asked(earlier: Path | None) -> dict[str, str]:
+    return {} if earlier is None else {"earlier": str(earlier.resolve())}
+
+
+def _found(
+    segmenter: "Segmenter", area: "Crop", before: "EarlierCloud | None", path: Path, points: "Float"
+) -> "tuple[Cloud, Segmentation]":
+    """Return the part of a file's points in the area [m], and its segmentation."""
+    from executive.messages.cloud import Cloud
+
+    cloud = area.of(Cloud(path.stem, points))
+    found = segmenter.segment(cloud)
+    return cloud, found if before is None else before.with_moving(found, cloud.points)
+
+
 def _segmented(
-    segmenter: "Segmenter", area: "Crop", path: Path, out: Path | None, is_shown: bool = False
+    find: "Callable[[Path, Float], tuple[Cloud, Segmentation]]",
+    path: Path,
+    out: Path | None,
+    is_shown: bool = False,
 ) -> dict[str, Any]:
     """Segment one file, tell what was found, write and show the segments, and return the answer."""
     from executive.clouds.ply_writer import coloured_parts
@@ -94,8 +127,7 @@ def _segmented(
     from executive.messages.cloud import Cloud
 
     site = read_site_cloud(path)
-    points = area.of(Cloud(path.stem, site.points))
-    found = segmenter.segment(points)
+    points, found = find(path, site.points)
     for one in found.segments:
         say(_line(one))
     for rest in found.left_out:
