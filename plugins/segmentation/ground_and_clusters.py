@@ -106,7 +106,7 @@ class GroundAndClusters(Segmenter):
         if len(cloud) < settings.min_points:
             raise DataError(
                 f"a cloud of {len(cloud)} points has no ground to find; at least "
-                f"{settings.min_points}"
+                f"{settings.min_points}: take more of the site, or a denser cloud"
             )
         centre, surface, told_of_site = self._ground(cloud.points, rng)
         plane = surface.plane

@@ -156,7 +156,7 @@ def test_an_earlier_cloud_of_another_place_is_refused(
     write_parts(tmp_path / "far.ply", [read_points(clouds[0]) + [500.0, 0.0, 0.0]])
     assert segmented(monkeypatch, clouds[1], "--earlier", tmp_path / "far.ply") == 2
     told = capsys.readouterr().err
-    assert "the clouds share 0 of" in told
+    assert f"{clouds[1]}: the clouds share 0 of" in told
     assert segmented(monkeypatch, clouds[1], "--earlier", tmp_path / "none.ply") == 2
     assert "none.ply" in capsys.readouterr().err
 

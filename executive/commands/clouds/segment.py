@@ -17,6 +17,7 @@ from executive.commands.clouds.view import (
 )
 from executive.commands.console import answer, say
 from executive.commands.options import CropOption, JsonOption, SetOption, settings
+from executive.errors import DataError
 
 if TYPE_CHECKING:
     from executive.arrays import Float
@@ -106,12 +107,19 @@ def _asked(earlier: Path | None) -> dict[str, str]:
 def _found(
     segmenter: "Segmenter", area: "Crop", before: "EarlierCloud | None", path: Path, points: "Float"
 ) -> "tuple[Cloud, Segmentation]":
-    """Return the part of a file's points in the area [m], and its segmentation."""
+    """Return the part of a file's points in the area [m], and its segmentation.
+
+    Raises:
+        DataError: If there is nothing to segment; the file is named.
+    """
     from executive.messages.cloud import Cloud
 
-    cloud = area.of(Cloud(path.stem, points))
-    found = segmenter.segment(cloud)
-    return cloud, found if before is None else before.with_moving(found, cloud.points)
+    try:
+        cloud = area.of(Cloud(path.stem, points))
+        found = segmenter.segment(cloud)
+        return cloud, found if before is None else before.with_moving(found, cloud.points)
+    except DataError as error:
+        raise DataError(f"{path}: {error}") from error
 
 
 def _segmented(
