@@ -78,12 +78,15 @@ class MapSaved(Event):
         points: Number of points.
         frame: Frame of the points.
         T_map_base: Pose of the chassis at that moment, shape (4, 4).
+        datum: Where the frame's origin is: latitude [deg], longitude [deg], altitude above the
+            ellipsoid [m]; None if nobody knows.
     """
 
     file: str
     points: int
     frame: str
     T_map_base: Float
+    datum: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

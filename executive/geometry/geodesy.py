@@ -61,3 +61,18 @@ def geodetic_from_enu(enu_m: Float, datum: Float) -> Float:
     n = _A_M / np.sqrt(1 - _E2 * np.sin(lat) ** 2)
     altitude = p * np.cos(lat) + z * np.sin(lat) - _A_M**2 / n
     return np.array([np.degrees(lat), np.degrees(np.arctan2(y, x)), altitude])
+
+
+def T_enu_enu(datum: Float, other: Float) -> Float:
+    """Return the pose of one local frame in another, p_datum = T @ p_other, shape (4, 4).
+
+    It is exact: both are axes in space, turned against each other by the curvature of the earth.
+
+    Args:
+        datum: Latitude [deg], longitude [deg], altitude above the ellipsoid [m], shape (3,).
+        other: The same of the other frame, shape (3,).
+    """
+    T = np.eye(4)
+    T[:3, :3] = _R_enu_ecef(datum[0], datum[1]) @ _R_enu_ecef(other[0], other[1]).T
+    T[:3, 3] = enu_from_geodetic(other, datum)
+    return T

@@ -80,3 +80,12 @@ class Estimator(LogPlugin, ABC):
     def refused(self) -> Mapping[str, int]:
         """Number of refused measurements by stream and reason; empty if they are not counted."""
         return {}
+
+    @property
+    def map_origin(self) -> tuple[float, float, float] | None:
+        """Where the map's origin is: latitude [deg], longitude [deg], altitude above the ellipsoid
+        [m]; the map is east, north and up there.
+
+        None, the default, while it is not known, and in methods without satellites.
+        """
+        return None

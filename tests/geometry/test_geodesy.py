@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from executive.geometry.geodesy import ecef, enu_from_geodetic, geodetic_from_enu
+from executive.geometry.geodesy import T_enu_enu, ecef, enu_from_geodetic, geodetic_from_enu
+from executive.geometry.pose import transform
 
 DATUM = np.array([47.4084, 8.5106, 440.0])
 
@@ -41,3 +42,11 @@ def test_a_degree_of_latitude_at_zurich_has_the_ellipsoids_length() -> None:
     radius = 6378137 * (1 - e2) / (1 - e2 * np.sin(np.radians(DATUM[0])) ** 2) ** 1.5 + DATUM[2]
     north = enu_from_geodetic(DATUM + np.array([1e-3, 0, 0]), DATUM)[1]
     assert north == pytest.approx(np.radians(1e-3) * radius, rel=1e-5)
+
+
+def test_a_point_of_one_local_frame_is_the_same_place_in_another() -> None:
+    other = np.array([47.5, 8.6, 500.0])
+    points = np.random.default_rng(3).uniform(-500, 500, (20, 3))
+    expected = [enu_from_geodetic(geodetic_from_enu(point, other), DATUM) for point in points]
+    np.testing.assert_allclose(transform(T_enu_enu(DATUM, other), points), expected, atol=1e-6)
+    np.testing.assert_allclose(T_enu_enu(DATUM, DATUM), np.eye(4), atol=1e-12)

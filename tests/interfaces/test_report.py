@@ -147,7 +147,15 @@ WHOLE: dict[str, Any] = {
             "volume_m3": None,
         }
     ],
-    "maps": [{"file": "site.ply", "points": 1000, "frame": "map", "T_map_base": POSE}],
+    "maps": [
+        {
+            "file": "site.ply",
+            "points": 1000,
+            "frame": "map",
+            "T_map_base": POSE,
+            "datum": [47.4084, 8.5106, 440.0],
+        }
+    ],
     "structures": [
         {
             "structure": "wall",
@@ -265,7 +273,7 @@ def places(value: object, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations", "causes")
 OPTIONAL = {
     "refused_observations", "missing_samples", "scans_not_fused", "stale_states", "faults",
-    "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes",
+    "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes", "datum",
 }  # fmt: skip
 NEEDED = [
     at

@@ -42,6 +42,7 @@ def test_a_plugin_keeps_nothing(interface: type[Plugin]) -> None:
 def test_an_estimator_tells_nothing_that_it_does_not_know() -> None:
     estimator = least(Estimator)
     assert (estimator.account(), estimator.imu, estimator.refused) == ((), None, {})
+    assert estimator.map_origin is None
 
 
 def test_a_mapper_sees_nothing_in_the_jaws() -> None:

@@ -81,6 +81,13 @@ class CabinEstimator(Estimator):
     def datum(self) -> tuple[float, float, float] | None:
         return self._cabin.datum
 
+    @property
+    def map_origin(self) -> tuple[float, float, float] | None:
+        if self._datum is None:
+            return None
+        latitude_deg, longitude_deg, altitude_m = map(float, self._datum)
+        return latitude_deg, longitude_deg, altitude_m
+
     def start(self) -> None:
         settings = self._cabin
         imu = cabin_imu(self._machine, settings.imu)

@@ -57,8 +57,11 @@ def test_it_keeps_the_origin_of_the_map_and_nothing_before_there_is_one(cabin, s
     run(estimator, cabin.observations(4.0))
     kept = estimator.keep()
     assert (list(kept), estimator.revision) == (["datum"], 1)
+    assert other.map_origin is None
+    assert estimator.map_origin == tuple(kept["datum"])
     other.restore(kept)
     np.testing.assert_array_equal(other.keep()["datum"], kept["datum"])
+    assert other.map_origin == estimator.map_origin
     other.restore({})
     assert list(other.keep()) == ["datum"]
 
