@@ -60,18 +60,43 @@ def rows_beside(
     """
     if not parts or not reach_m:
         return np.empty(0, dtype=np.int64)
-    low = np.min([part[:, :2].min(axis=0) for part in parts], axis=0)
-    high = np.max([part[:, :2].max(axis=0) for part in parts], axis=0)
+    corners = np.array([_corners(read_only(part)) for part in parts])
+    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     cell_m = max(reach_m, float((high - low).max()) / _CELLS)
     spans = np.floor((high - low) / cell_m).astype(np.int64) + 3  # with a rim of a cell
-    is_beside = np.zeros(spans, dtype=np.bool_)
+    is_in = np.zeros(spans, dtype=np.bool_)
     for part in parts:
-        i, j = (np.floor((part[:, :2] - low) / cell_m).astype(np.int64) + 1).T
-        for di, dj in np.ndindex(3, 3):
-            is_beside[i + di - 1, j + dj - 1] = True
+        _mark(read_only(part), low, cell_m, is_in)
+    is_beside = np.zeros(spans, dtype=np.bool_)
+    i, j = np.nonzero(is_in)
+    for di, dj in np.ndindex(3, 3):
+        is_beside[i + di - 1, j + dj - 1] = True
     return np.asarray(
         _rows(read_only(points), read_only(above), *heights_m, low, cell_m, is_beside)
     )
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def _corners(points: Float) -> Float:  # pragma: no cover - compiled
+    """Return the lowest and the highest x and y [m], shape (2, 2)."""
+    corners = np.empty((2, 2))
+    corners[0], corners[1] = np.inf, -np.inf
+    for n in range(len(points)):
+        for axis in range(2):
+            corners[0, axis] = min(corners[0, axis], points[n, axis])
+            corners[1, axis] = max(corners[1, axis], points[n, axis])
+    return corners
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def _mark(
+    points: Float, low: Float, cell_m: float, is_in: Bool
+) -> None:  # pragma: no cover - compiled
+    """Mark the cells of a grid with a rim of one cell in which points are."""
+    for n in range(len(points)):
+        i = int(np.floor((points[n, 0] - low[0]) / cell_m)) + 1
+        j = int(np.floor((points[n, 1] - low[1]) / cell_m)) + 1
+        is_in[i, j] = True
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
