@@ -33,14 +33,20 @@ def fuse(parts: Iterable[tuple[Float, Float]], voxel_m: float, fewest: int) -> t
         Points and unit normals, which look to the cameras that saw them, (M, 3) each, in the order
         of the cells.
     """
-    keys, sums = np.empty(0, dtype=np.int64), np.empty((0, 7))
+    runs: list[tuple[Int, Float]] = []
     for seen, centre in parts:
         towards = (centre - seen) / np.linalg.norm(centre - seen, axis=1, keepdims=True)
+        rows = np.column_stack([seen, towards, np.ones(len(seen))])
         # One part after the other is added to the cells: all points at once would take a gigabyte.
-        keys = np.concatenate([keys, _keys(seen, voxel_m)])
-        keys, sums = _added(
-            keys, np.concatenate([sums, np.column_stack([seen, towards, np.ones(len(seen))])])
-        )
+        # It is merged with runs of cells that are no larger, so that each cell is sorted anew a
+        # few times, and not once for each picture.
+        run = _added(_keys(seen, voxel_m), rows)
+        while runs and len(runs[-1][0]) <= len(run[0]):
+            run = _merged(runs.pop(), run)
+        runs.append(run)
+    keys, sums = np.empty(0, dtype=np.int64), np.empty((0, 7))
+    while runs:
+        keys, sums = _merged(runs.pop(), (keys, sums))
     merged = sums[sums[:, 6] >= fewest]
     merged = merged[:, :6] / merged[:, 6:]
     return merged[:, :3], _normals(merged[:, :3], merged[:, 3:])
@@ -52,6 +58,12 @@ def _keys(points: Float, voxel_m: float) -> Int:
     """
     cells = np.floor(points / voxel_m).astype(np.int64) + 2**20
     return np.asarray((cells[:, 0] << 42) + (cells[:, 1] << 21) + cells[:, 2])
+
+
+def _merged(one: tuple[Int, Float], other: tuple[Int, Float]) -> tuple[Int, Float]:
+    """Return the cells of two runs, rising, each with the sum of its rows."""
+    keys, rows = zip(one, other, strict=True)
+    return _added(np.concatenate(keys), np.concatenate(rows))
 
 
 def _added(keys: Int, rows: Float) -> tuple[Int, Float]:
