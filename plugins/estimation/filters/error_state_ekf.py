@@ -10,6 +10,7 @@ from executive_plugins.estimation.filters.settings import ErrorStateEkfSettings
 from executive_plugins.estimation.filters.status_account import FALLBACK, GLOBAL
 from executive_plugins.estimation.filters.witnessed_filter import WitnessedFilter
 from executive_plugins.estimation.gate.increment_record import IncrementRecord
+from executive_plugins.estimation.gate.innovation_record import INNOVATIONS
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.odometry_trial import OdometryTrial, drift2
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
@@ -62,7 +63,8 @@ class ErrorStateEkf(GnssImuFilter):
 
     def _start_at(self, found: Found) -> None:
         super()._start_at(found)
-        self._pair.judge_by(self._innovations, self._new_innovations(found))
+        rows = np.zeros(len(self._innovations), INNOVATIONS)
+        self._pair.judge_by(self._innovations, self._new_innovations(found, rows))
 
     def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
         is_used = super()._correct_by_fix(kalman, fix, late_s)

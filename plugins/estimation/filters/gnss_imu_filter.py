@@ -1,6 +1,6 @@
 """Estimation by the cabin's inertial sensor, the satellite antennas and the turn joint."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
@@ -15,7 +15,12 @@ from executive_plugins.estimation.filters.status_account import (
 from executive_plugins.estimation.gate.frozen_samples import FrozenSamples
 from executive_plugins.estimation.gate.growing_refusals import GrowingRefusals
 from executive_plugins.estimation.gate.innovation_alarm import WINDOW
-from executive_plugins.estimation.gate.innovation_record import DOUBTED, LEANS, InnovationRecord
+from executive_plugins.estimation.gate.innovation_record import (
+    DOUBTED,
+    INNOVATIONS,
+    LEANS,
+    InnovationRecord,
+)
 from executive_plugins.estimation.gate.innovation_scale import LARGEST_SCALE
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.gate.stream_period import StreamPeriod
@@ -24,6 +29,8 @@ from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFil
 from executive_plugins.estimation.kalman.fix_residual import compared
 from executive_plugins.estimation.kalman.held_clock import HeldClock, shows_clock
 from executive_plugins.estimation.kalman.judged_fix import USED
+from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.kalman.queued_filter import QueuedFilter, StandstillGate
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.start.found import Found
 from executive_plugins.estimation.start.window_start import WindowStart
@@ -85,18 +92,31 @@ class GnssImuFilter(CabinEstimator):
         self._refusals = GrowingRefusals()
 
     def _start_at(self, found: Found) -> None:
-        settings, kalman = self._settings, self._make_filter(found)
+        kalman = self._make_filter(found)
         kalman.agreeing_clock = self._agreeing_clock()
-        self._trailing = TrailingFilter(kalman, settings.lag_s, self._propagator)
+        rows = np.zeros(len(self._antennas_imu), INNOVATIONS)
+        self._innovations = self._new_innovations(found, rows)
+        self._trailing = self._new_trailing(kalman, rows)
         self._used_fix_s = found.state.stamp_s
-        self._innovations = self._new_innovations(found)
 
-    def _new_innovations(self, found: Found) -> dict[str, InnovationRecord]:
-        """Return an empty record of innovations for each antenna."""
+    def _new_trailing(
+        self, kalman: ErrorStateFilter, rows: Block
+    ) -> TrailingFilter[ErrorStateFilter]:
+        """Return what trails; all of a sample is one compiled call unless more is estimated."""
         settings = self._settings
+        if kalman.has_clock or type(kalman) is not ErrorStateFilter:
+            return TrailingFilter(kalman, settings.lag_s, self._propagator)
+        queued = QueuedFilter(kalman, settings.lag_s, self._propagator, rows, self._count_used)
+        gate = StandstillGate(self._T_imu_cabin, settings.standing, settings.gate, _DOUBT_S)
+        queued.expect_standing(gate)
+        return queued
+
+    def _new_innovations(self, found: Found, rows: Block) -> dict[str, InnovationRecord]:
+        """Return an empty record of innovations for each antenna, over rows of memory."""
+        known = self._settings.gate, self._settings.reacquire_after_s, found.fix_scale
         return {
-            name: InnovationRecord(settings.gate, settings.reacquire_after_s, found.fix_scale)
-            for name in self._antennas_imu
+            name: InnovationRecord(*known, rows[k : k + 1])
+            for k, name in enumerate(self._antennas_imu)
         }
 
     def _make_filter(self, found: Found) -> ErrorStateFilter:
@@ -128,24 +148,34 @@ class GnssImuFilter(CabinEstimator):
         position = Fix(stamp_s, antenna, self._antennas_imu[antenna], p_map_antenna, noise)
         if self._doubt is not None:
             self._doubt.add_fix(position)
-        late_s = 0.0 if self._trailing is None else self._trailing.kalman.clock_s
-        self._queue(antenna, stamp_s - late_s, self._correct_by_fix, position, late_s)
+        trailing = self._trailing
+        if trailing is None:
+            return
+        kalman, late_s = trailing.kalman, trailing.kalman.clock_s
+        correction = Correction(
+            stamp_s - late_s,
+            partial(self._correct_by_fix, kalman, position, late_s),
+            partial(self._conclude, kalman, position),
+        )
+        place = list(self._innovations).index(antenna)
+        if not trailing.add_fix(correction, position, place, late_s):
+            self._stamp_gate.refuse(antenna, "too late")
 
     def add_odometry(self, increment: LidarIncrement) -> None:
         """Do nothing: this filter does not use lidar."""
 
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        self._queue("joints", stamp_s, self._correct_by_standing, rate_cabin)
-
-    def _queue(
-        self, stream: str, stamp_s: float, apply: Callable[..., object], *given: object
-    ) -> None:
-        """Let the filter be corrected at a time by a function of it and of what is given."""
         trailing = self._trailing
-        if trailing is not None and not trailing.add(
-            Correction(stamp_s, partial(apply, trailing.kalman, *given))
-        ):
-            self._stamp_gate.refuse(stream, "too late")
+        if trailing is None:
+            return
+        kalman = trailing.kalman
+        correction = Correction(
+            stamp_s,
+            partial(self._correct_by_standing, kalman, rate_cabin),
+            lambda _: self._ignore_standing(kalman.stamp_s),
+        )
+        if not trailing.add_standing(correction, rate_cabin):
+            self._stamp_gate.refuse("joints", "too late")
 
     def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
         """Correct by a fix at the time by which the clock was thought to be late.
@@ -153,16 +183,16 @@ class GnssImuFilter(CabinEstimator):
         Returns:
             Whether it was used.
         """
+        return self._conclude(kalman, fix, self._judge(kalman, fix, late_s))
+
+    def _conclude(self, kalman: ErrorStateFilter, fix: Fix, said: int) -> bool:
+        """Do what follows from what `judged_fix` says of a fix; return whether it is used."""
         if (
-            self._use(kalman, fix, late_s)
+            self._is_used(kalman, fix, said)
             or kalman.correct_by_compared(self._settings.gate)
             or self._holds_both(kalman)
         ):
-            self._used_fix_s = max(self._used_fix_s, kalman.stamp_s)
-            self._used_in_row += 1
-            self._refusals.clear()
-            if self._used_in_row >= _TRUSTED:
-                self._begin_trust()
+            self._count_used(1, kalman.stamp_s)
             return True
         self._stamp_gate.refuse(fix.antenna, "outlier")
         self._used_in_row = 0
@@ -180,18 +210,22 @@ class GnssImuFilter(CabinEstimator):
         )
         return False
 
+    def _count_used(self, count: int, stamp_s: float) -> None:
+        """Take that some fixes in a row were used, the last of them at a time [s]."""
+        self._used_fix_s = max(self._used_fix_s, stamp_s)
+        self._refusals.clear()
+        for _ in range(count):
+            self._used_in_row += 1
+            if self._used_in_row >= _TRUSTED:
+                self._begin_trust()
+
     def _suspect(self, stamp_s: float, cause: str) -> None:
         """Take what speaks against the state at a time [s]."""
         self._suspected_s = stamp_s
         self._account.doubt(cause)
 
-    def _use(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
-        """Correct by a fix whose innovation is in no doubt; return whether it was used.
-
-        The covariance of another is compared and scaled. If the newest innovations show that the
-        prediction is wrong, its covariance grows by a step of the sensor's biases that explains
-        them.
-        """
+    def _judge(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> int:
+        """Correct by a fix whose innovation is in no doubt; return what `judged_fix` says."""
         record, usual_s = self._innovations[fix.antenna], self._periods[fix.antenna].period_s
         is_learnt = (
             kalman.has_clock
@@ -200,10 +234,20 @@ class GnssImuFilter(CabinEstimator):
         )
         clock_s = kalman.clock_s if is_learnt else 0.0
         said = kalman.use_fix(record.block, fix, late_s, not is_learnt)
+        if is_learnt and not said & DOUBTED:
+            self._clock.remember(kalman.stamp_s, clock_s)
+        return said
+
+    def _is_used(self, kalman: ErrorStateFilter, fix: Fix, said: int) -> bool:
+        """Return whether a fix was used; look into a doubt.
+
+        The covariance of another fix is compared and scaled. If the newest innovations show that
+        the prediction is wrong, its covariance grows by a step of the sensor's biases that
+        explains them.
+        """
         if not said & DOUBTED:
-            if is_learnt:
-                self._clock.remember(kalman.stamp_s, clock_s)
             return bool(said & USED)
+        record, usual_s = self._innovations[fix.antenna], self._periods[fix.antenna].period_s
         if record.is_alarmed or record.is_biased:
             how = "farther from" if record.is_alarmed else "farther to one side of"
             words = f"fixes of {fix.antenna} lie {how} the prediction than their covariance"
@@ -247,7 +291,7 @@ class GnssImuFilter(CabinEstimator):
             self._start_at(found)
             self._begin_trust()
             self._account.begin_anew()
-            self._moving_s = sample.stamp_s  # a wide state would accept any standstill
+            self._ignore_standing(sample.stamp_s)  # a wide state would accept any standstill
 
     def _explains(self, found: Found) -> bool:
         """Return whether the window of a doubt refutes the filter.
@@ -269,7 +313,13 @@ class GnssImuFilter(CabinEstimator):
         if not kalman.correct_by_standstill(
             self._T_imu_cabin, rate_cabin, settings.standing, settings.gate
         ):
-            self._moving_s = kalman.stamp_s
+            self._ignore_standing(kalman.stamp_s)
+
+    def _ignore_standing(self, moving_s: float) -> None:
+        """Take that the chassis was seen to move at a time [s]."""
+        self._moving_s = moving_s
+        if self._trailing is not None:
+            self._trailing.ignore_standing(moving_s)
 
     def state(self) -> BaseState:
         state = super().state()

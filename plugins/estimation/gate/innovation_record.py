@@ -62,15 +62,22 @@ INNOVATIONS_TYPE = from_dtype(INNOVATIONS)[::1]
 class InnovationRecord:
     """Alarm, bias and scale of one antenna's innovations, judged in one compiled call."""
 
-    def __init__(self, gate: float, kept_s: float, factor: float) -> None:
+    def __init__(
+        self,
+        gate: float,
+        kept_s: float,
+        factor: float,
+        block: NDArray[np.void] | None = None,
+    ) -> None:
         """Make one without innovations.
 
         Args:
             gate: Largest squared Mahalanobis distance of a fix.
             kept_s: How long the scale of before an alarm is kept [s].
             factor: Factor on the declared variance until there are enough innovations.
+            block: A row of zeros to be used, shape (1,), dtype `INNOVATIONS`.
         """
-        self.block: NDArray[np.void] = np.zeros(1, INNOVATIONS)
+        self.block: NDArray[np.void] = np.zeros(1, INNOVATIONS) if block is None else block
         self._period_s = 0.0
         row = self.block[0]
         row["gate"], row["usual"], row["median"] = gate, usual_size(3), median_size(3)

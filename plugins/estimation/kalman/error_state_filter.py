@@ -143,6 +143,10 @@ class ErrorStateFilter(PackedFilter):
         """Correct state and companions, whose error has 15 + k dimensions."""
         return self._told(correct(self.block, residual, H, noise, gate))
 
+    def forget_object(self) -> None:
+        """Forget the object of the state, after compiled code has changed the row."""
+        self._state = None
+
     def _told(self, is_used: bool) -> bool:
         """Return whether a measurement was used, and forget the state before it."""
         if is_used:

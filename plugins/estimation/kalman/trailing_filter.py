@@ -6,25 +6,37 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar
 
+from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.live.propagator import LivePropagator
+
+from executive.arrays import Float
 
 _MARGIN = 1.2  # of the lag over the largest delay so far
 _LONGEST_S = 2.0  # a measurement that is later is of no use in time
 _COVARIANCE_PERIOD_S = 0.049  # between updates of the propagator's covariance without correction
 
 
-@dataclass(order=True, frozen=True)
+def _nothing(_: int) -> None:
+    """Do nothing."""
+
+
+@dataclass(order=True, slots=True)
 class Correction:
     """A correction that waits until the filter reaches its time; ordered by time.
 
     Attributes:
         stamp_s: Time of the measurement [s].
         apply: Corrects the filter, whose state is at that time.
+        resume: Does what is left to do after compiled code has judged the measurement, given what
+            that said; see `QueuedFilter`.
+        place: Of the measurement in that filter's memory.
     """
 
     stamp_s: float
     apply: Callable[[], object] = field(compare=False)
+    resume: Callable[[int], object] = field(compare=False, default=_nothing)
+    place: int = field(compare=False, default=-1)
 
 
 class Predicted(Protocol):
@@ -87,6 +99,17 @@ class TrailingFilter(Generic[K]):
             self._next_s = self._corrections[0].stamp_s
         return True
 
+    def add_fix(self, correction: Correction, _: Fix, __: int, ___: float) -> bool:
+        """Add a correction by a fix; see `QueuedFilter.add_fix`."""
+        return self.add(correction)
+
+    def add_standing(self, correction: Correction, _: Float) -> bool:
+        """Add a correction by a chassis at rest; see `QueuedFilter.add_standing`."""
+        return self.add(correction)
+
+    def ignore_standing(self, _: float) -> None:
+        """Do nothing: what is added decides itself when it ignores a chassis at rest."""
+
     def _wait_for(self, stamp_s: float) -> None:
         """Trail by more from now on, so that measurements as late as this one are in time."""
         if self._first < self._propagator.samples:
@@ -127,12 +150,17 @@ class TrailingFilter(Generic[K]):
 
     def _correct(self, until_s: float) -> None:
         """Predict to each correction up to a time, and apply it."""
-        corrections, propagator = self._corrections, self._propagator
+        corrections = self._corrections
         while corrections and corrections[0].stamp_s <= until_s:
             correction = corrections.pop(0)
-            if correction.stamp_s > self.kalman.stamp_s:
-                self._first = self.kalman.predict_until(
-                    propagator.ring, self._first, propagator.samples, correction.stamp_s
-                )
+            self._predict_to(correction.stamp_s)
             correction.apply()
         self._next_s = corrections[0].stamp_s if corrections else math.inf
+
+    def _predict_to(self, stamp_s: float) -> None:
+        """Predict to a time, unless the filter is there already [s]."""
+        if stamp_s > self.kalman.stamp_s:
+            propagator = self._propagator
+            self._first = self.kalman.predict_until(
+                propagator.ring, self._first, propagator.samples, stamp_s
+            )

@@ -64,6 +64,8 @@ class LivePropagator:
         self._status = ""  # of the newest report
         self._rows: list[tuple[Block, PackedState]] = []
         self._newest: PackedState | None = None  # of the newest sample, if not changed since
+        # Its row with the state over it, until that is handed out.
+        self._kept: tuple[Block, PackedState] | None = None
         self.stamp_s, self.samples = -np.inf, 0
         self.ring: Block = self.block["samples"][0]
         self._state_s = self.block["stamp_s"]
@@ -83,10 +85,10 @@ class LivePropagator:
 
     def step(self, stamp_s: float, rate: Float, force: Float) -> int:
         """Propagate to a sample; see `kernels.step`."""
-        row, state = self._rows.pop() if self._rows else self._next_row()
+        row, state = kept = self._rows.pop() if self._rows else self._next_row()
         answered: int = _step(self.block, stamp_s, rate, force, row)
         if answered >= 0:
-            self._newest, self.stamp_s = state, stamp_s
+            self._newest, self.stamp_s, self._kept = state, stamp_s, kept
             self.samples += 1
         return answered
 
@@ -135,6 +137,20 @@ class LivePropagator:
         if not self._rows:
             self._rows = _new_rows(self._status)
         return self._rows.pop()
+
+    def rewritable(self) -> tuple[Block, PackedState]:
+        """Return a row that was not handed out, for a new report, and the state over it."""
+        if self._kept is None:
+            self._kept = self._next_row()
+        return self._kept
+
+    def rewrite(self, state: PackedState) -> None:
+        """Take the report that compiled code has written after it has changed the block.
+
+        Args:
+            state: The state over the row of `rewritable`.
+        """
+        self._newest = state
 
     def anchor(self, estimate: Block) -> None:
         """Propagate the covariance from an estimate and keep the state.
@@ -185,7 +201,7 @@ class LivePropagator:
 
     def state(self, status: str) -> BaseState:
         """Return the state at the newest sample."""
-        state = self._newest
+        state, self._kept = self._newest, None
         if state is None:
             row, state = self._next_row()
             _report(self.block, row)
