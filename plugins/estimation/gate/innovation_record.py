@@ -26,6 +26,13 @@ from executive_plugins.estimation.gate.innovation_scale import (
     middle_factor,
     rescale,
 )
+from executive_plugins.estimation.gate.slow_share import (
+    PAIRS,
+    WINDOWS,
+    quiet_limits,
+    slow_share,
+    usual_sums,
+)
 from numba import from_dtype, njit
 from numpy.typing import NDArray
 
@@ -43,12 +50,18 @@ INNOVATIONS = np.dtype(
         ("factor_counts", "i8", (2,)),
         ("middle", "f8"),  # of the factors
         ("calm", "f8", (3,)),
+        ("pair_sums", "f8", (PAIRS,)),
+        ("pair_counts", "i8", (2,)),
+        ("pair_before", "f8", (3,)),
+        ("slow_share", "f8"),
         # Bounds.
         ("gate", "f8"),
         ("alarm_limit", "f8"),
         ("bias_limit", "f8"),
         ("usual", "f8"),
         ("median", "f8"),
+        ("quiet_limits", "f8", (len(WINDOWS),)),
+        ("usual_sums", "f8", (len(WINDOWS),)),
         # Scratch memory: the newest innovation's covariance, its factor, and what it whitens.
         ("S", "f8", (3, 3)),
         ("root", "f8", (3, 3)),
@@ -81,6 +94,7 @@ class InnovationRecord:
         self._period_s = 0.0
         row = self.block[0]
         row["gate"], row["usual"], row["median"] = gate, usual_size(3), median_size(3)
+        row["usual_sums"] = usual_sums(3)
         row["calm"] = calm_scale(kept_s, factor)
         know_scale(row["factors"], row["factor_counts"], factor)
         row["middle"] = middle_factor(row["factors"], row["factor_counts"])
@@ -91,6 +105,7 @@ class InnovationRecord:
             return
         self._period_s, row, usual_s = period_s, self.block[0], binary(period_s)
         row["alarm_limit"], row["bias_limit"] = alarm_limit(3, usual_s), bias_limit(3, usual_s)
+        row["quiet_limits"] = quiet_limits(3, usual_s)
 
     def clear_bias(self) -> None:
         """Forget by what innovations lean: it is part of the prediction now."""
@@ -137,6 +152,10 @@ def judge(g: np.record, residual: Float, predicted: Float, noise: Float, now_s: 
     if math.isfinite(distance2):
         bounds = g.gate, g.alarm_limit, g.usual
         alert(g.alarm_rows[:], g.alarm_counts[:], g.white, distance2, *bounds)
+        g.slow_share = slow_share(
+            *(g.pair_sums[:], g.pair_counts[:], g.pair_before[:], g.white),
+            *(g.quiet_limits[:], g.usual_sums[:]),
+        )
     is_near = distance2 <= g.gate  # outliers say nothing of the prediction
     if is_near:
         look_for_lean(g.bias_rows[:], g.bias_counts[:], g.white, g.bias_limit, g.bias_end[:])

@@ -6,7 +6,12 @@ from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import linear_covariance, moved
 from executive_plugins.estimation.inertial.noise import InertialNoise
-from executive_plugins.estimation.inertial.state import DIMENSION, Inertial, InertialState
+from executive_plugins.estimation.inertial.state import (
+    DIMENSION,
+    POSITION,
+    Inertial,
+    InertialState,
+)
 from executive_plugins.estimation.kalman import bias_step
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.kalman.compiled_correction import projected
@@ -80,12 +85,18 @@ class ErrorStateFilter(PackedFilter):
     def reported(self) -> tuple[InertialState, Float]:
         """Return the state that is reported, and its covariance in map axes, shape (15, 15)."""
         if not self._clocks or self.agreeing_clock is None:
-            return self.state, linear_covariance(self.state, self.covariance)
+            return self.state, self._shown_covariance(self.state, self.covariance)
         error, P = self.agreeing_clock.mixed(
             self.covariance, self._cross[:, 0], self.clock_s, self.clock_std_s
         )
         state, J = moved(self.state, error)
-        return state, linear_covariance(state, J @ P @ J.T)
+        return state, self._shown_covariance(state, J @ P @ J.T)
+
+    def _shown_covariance(self, state: InertialState, covariance: Float) -> Float:
+        """Return a covariance in map axes, with what the fixes err slowly, shape (15, 15)."""
+        shown = linear_covariance(state, covariance)
+        shown[POSITION, POSITION] += np.diag(self.block["slow_m"][0] ** 2)
+        return shown
 
     def packed(self) -> Block:
         """Return what is reported as a row, shape (1,), dtype `ESTIMATE`; the next replaces it."""

@@ -32,6 +32,8 @@ FILTER = np.dtype(
         ("mean_rate", "f8", (3,)),
         ("gap_s", "f8"),
         ("usual", "f8", (3,)),
+        # Deviation of the position by what the fixes err slowly, map axes, see `slow_share`.
+        ("slow_m", "f8", (3,)),
         # Constants.
         ("densities", "f8", (4,)),
         ("gravity_m_s2", "f8"),

@@ -218,7 +218,7 @@ def write_joint_covariance(block: Block, after: Float) -> None:
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _report(s: np.record, e: np.record) -> None:
-    """Write the state of a filter into an estimate."""
+    """Write the state of a filter into an estimate, with what the fixes err slowly."""
     e.sample.stamp_s, e.sample.since_last_s = s.sample.stamp_s, s.sample.since_last_s
     for i in range(3):
         e.sample.rate[i], e.sample.force[i] = s.sample.rate[i], s.sample.force[i]
@@ -227,6 +227,8 @@ def _report(s: np.record, e: np.record) -> None:
         for j in range(3):
             e.R[i, j] = s.R[i, j]
     linearise(s.R, s.P, e.P[:])
+    for i in range(3):
+        e.P[6 + i, 6 + i] += s.slow_m[i] * s.slow_m[i]
 
 
 @njit(types.void(FILTER_TYPE, _ESTIMATE), cache=True)  # type: ignore[untyped-decorator]
