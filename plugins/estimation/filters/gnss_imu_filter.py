@@ -97,6 +97,8 @@ class GnssImuFilter(CabinEstimator):
         rows = np.zeros(len(self._antennas_imu), INNOVATIONS)
         self._innovations = self._new_innovations(found, rows)
         self._trailing = self._new_trailing(kalman, rows)
+        # What another filter knew of the clock would contradict the state of this one.
+        self._clock = HeldClock(self._settings.reacquire_after_s)
         self._used_fix_s = found.state.stamp_s
 
     def _new_trailing(

@@ -58,3 +58,16 @@ def test_a_fix_of_an_unknown_antenna_is_counted(start) -> None:
     estimator.add_gnss(GnssFix(1.0, "gnss_mast", DATUM, 1e-4 * np.eye(3), False))
     assert estimator.refused == {"gnss_mast: unknown antenna": 1}
     assert estimator.keep() == {}
+
+
+def test_a_filter_that_begins_anew_keeps_the_clock_that_it_was_begun_with(start) -> None:
+    """What an earlier filter knew of the clock does not belong to the state of the new one."""
+    estimator = start(clock_agrees=0.0, clock_std_s=0.05)
+    estimator._start_at(found())
+    estimator._clock.remember(1.0, -0.3)
+    estimator._clock.hold(estimator._trailing.kalman, 0.0)
+    assert estimator._trailing.kalman.clock_s == -0.3
+    estimator._start_at(found())
+    estimator._clock.hold(estimator._trailing.kalman, 0.0)
+    assert estimator._trailing.kalman.clock_s == 0.0
+    assert estimator._trailing.kalman.clock_std_s == pytest.approx(0.05)
