@@ -1,6 +1,7 @@
 """What verbs tell of missions, clouds and contracts, each without a mission, a robot or a pool."""
 
 import json
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -159,7 +160,8 @@ def test_what_is_left_out_of_segments_is_told(monkeypatch, tmp_path):
     one = Segment(4, POINTS, POINTS.mean(axis=0), np.ptp(POINTS, axis=0))
     plugin = Segmenter((one,), left_out=(rest,), scattered_points=12, warnings=("sparse",))
     path = tmp_path / "site.ply"
-    answer = segment._segmented(plugin, Crop(None), path, None, True)
+    find = partial(segment._found, plugin, Crop(None), None)
+    answer = segment._segmented(find, path, None, True)
     assert answer == {"segments": 1, "crs": "EPSG:2056"}
     assert told == [
         "    4        3 points at 1.33 0.50 0.00 m, 3.00 1.00 0.00 m long",
@@ -172,7 +174,7 @@ def test_what_is_left_out_of_segments_is_told(monkeypatch, tmp_path):
     assert np.abs(entities["cloud"].points).max() < 1e3  # near its own origin
     np.testing.assert_allclose(entities["cloud"].points + entities["segments"], site.points)
     told.clear()
-    segment._segmented(Segmenter(()), Crop(None), path, None)
+    segment._segmented(partial(segment._found, Segmenter(()), Crop(None), None), path, None)
     assert told == [f"{path}: 0 segments of 3 points"]
 
 

@@ -96,6 +96,8 @@ def sample(kind):
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is np.ndarray:
         return np.arange(3.0)
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        return tuple(sample(one) for one in arguments)
     if origin is tuple:
         return (sample(arguments[0]),) * 2
     if origin in (Union, UnionType):  # the last one: what was tried before it has to be passed over
