@@ -1,7 +1,7 @@
 """The order in which places are checked: the best first, but later where others did not hold.
 
-Ranked by their score alone, the first hundred places of a dozen stones are one gap between domed
-tops, in which none of them holds.
+Ranked by their score alone, almost all of the first places of a dozen stones may be one gap between
+domed tops, in which none of them holds.
 """
 
 from collections.abc import Iterator, Sequence

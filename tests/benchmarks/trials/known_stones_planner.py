@@ -5,6 +5,7 @@ hull's volume. The jaws carry it as it lies. Each stone that stands was seen, wi
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from executive_plugins.placing.dry_stone.orientations import orientations
@@ -75,17 +76,8 @@ class KnownStonesPlanner(StructurePlanner):
     def _of_stone(self, target: BuildTarget) -> BuildTarget:
         """Return a target of a hull as one of the stone in it."""
         T_hull_stone = pose(t=-self._hulls[target.stone][1])
-        return BuildTarget(
-            target.stone,
-            target.T_map_stone @ T_hull_stone,
-            target.T_map_settled @ T_hull_stone,
-            target.approach_map,
-            target.release_height_m,
-            target.worst_m,
-            target.worst_rad,
-            target.score,
-            target.terms,
-        )
+        settled = target.T_map_settled @ T_hull_stone
+        return replace(target, T_map_stone=target.T_map_stone @ T_hull_stone, T_map_settled=settled)
 
 
 def _hull(stone: SolidStone, rng: np.random.Generator) -> tuple[Float, Float]:
