@@ -1,14 +1,20 @@
 """One cloud with normals from the depth maps of many pictures."""
 
-from collections.abc import Iterable
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import open3d as o3d
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Bool, Float, Int
 
+CELL = np.dtype([("key", np.int64), ("sums", np.float64, 7)])
+MOST = 2_000_000  # rows that are merged at a time: 64 bytes each, and as much to sort them
+
 _NEIGHBOURS = 16  # of a point, for its normal
+_SAMPLES = 1000  # of a part's rows: parts are larger or smaller than asked by some per cent
 
 
 def below_flight(points: Float, centres: Float, margin_m: float) -> Bool:
@@ -21,35 +27,64 @@ def below_flight(points: Float, centres: Float, margin_m: float) -> Bool:
     )
 
 
-def fuse(parts: Iterable[tuple[Float, Float]], voxel_m: float, fewest: int) -> tuple[Float, Float]:
-    """Merge points on a grid and give them normals.
+def cells_of(points: Float, centre: Float, voxel_m: float) -> NDArray[np.void]:
+    """Return the cells of a grid that the points of one picture are in.
 
     Args:
-        parts: Of each picture, points (N, 3) [m] and its camera (3,); all in one frame.
-        voxel_m: Edge of a cell [m]; a point is the mean of a cell.
-        fewest: Cells with fewer points are dropped.
+        points: Shape (N, 3) [m].
+        centre: Of the picture's camera (3,) [m], in the frame of the points.
+        voxel_m: Edge of a cell [m].
 
     Returns:
-        Points and unit normals, which look to the cameras that saw them, (M, 3) each, in the order
-        of the cells.
+        Rows of `CELL`, each cell once, rising: its number, and the sums of its points, of the unit
+        vectors from them to the camera, and of one for each point.
     """
-    runs: list[tuple[Int, Float]] = []
-    for seen, centre in parts:
-        towards = (centre - seen) / np.linalg.norm(centre - seen, axis=1, keepdims=True)
-        rows = np.column_stack([seen, towards, np.ones(len(seen))])
-        # One part after the other is added to the cells: all points at once would take a gigabyte.
-        # It is merged with runs of cells that are no larger, so that each cell is sorted anew a
-        # few times, and not once for each picture.
-        run = _added(_keys(seen, voxel_m), rows)
-        while runs and len(runs[-1][0]) <= len(run[0]):
-            run = _merged(runs.pop(), run)
-        runs.append(run)
-    keys, sums = np.empty(0, dtype=np.int64), np.empty((0, 7))
-    while runs:
-        keys, sums = _merged(runs.pop(), (keys, sums))
-    merged = sums[sums[:, 6] >= fewest]
-    merged = merged[:, :6] / merged[:, 6:]
-    return merged[:, :3], _normals(merged[:, :3], merged[:, 3:])
+    towards = (centre - points) / np.linalg.norm(centre - points, axis=1, keepdims=True)
+    columns = (*points.T, *towards.T, np.ones(len(points)))
+    return _added(_keys(points, voxel_m), columns)
+
+
+def fuse(
+    parts: Sequence[Callable[[], NDArray[np.void]]], fewest: int, most: int = MOST
+) -> tuple[Float, Float]:
+    """Merge the cells of many pictures and give them normals.
+
+    The cells are merged by parts of the site, so that memory holds the cells of one part and the
+    cloud, however many pictures there are; each cell is sorted once.
+
+    Args:
+        parts: Of each picture, reads its cells, which may be on the disk.
+        fewest: Cells with fewer points are dropped.
+        most: Rows that are merged at a time, as far as the pictures' cells can be divided so.
+
+    Returns:
+        Points, each the mean of a cell, and unit normals, which look to the cameras that saw them,
+        (M, 3) each, in the order of the cells.
+    """
+    bounds = _bounds([part()["key"] for part in parts], most)
+    merged = [np.empty((0, 6))]
+    for low, high in itertools.pairwise(bounds):
+        slices = (_between(part(), low, high) for part in parts)
+        rows = np.concatenate([np.empty(0, dtype=CELL), *slices])
+        sums = _added(rows["key"], rows["sums"].T)["sums"]
+        sums = sums[sums[:, 6] >= fewest]
+        merged.append(sums[:, :6] / sums[:, 6:])
+    cells = np.concatenate(merged)
+    return cells[:, :3], _normals(cells[:, :3], cells[:, 3:])
+
+
+def _bounds(keys: Sequence[Int], most: int) -> list[int]:
+    """Return rising numbers of cells, with about `most` rows, or less, from one to the next."""
+    every = max(1, most // _SAMPLES)
+    sample = np.sort(np.concatenate([np.empty(0, dtype=np.int64), *(k[::every] for k in keys)]))
+    inner = np.unique(sample[_SAMPLES::_SAMPLES])
+    return [np.iinfo(np.int64).min, *inner.tolist(), np.iinfo(np.int64).max]
+
+
+def _between(cells: NDArray[np.void], low: int, high: int) -> NDArray[np.void]:
+    """Return a copy of the rows whose numbers are from `low` on and below `high`."""
+    first, last = np.searchsorted(cells["key"], [low, high])
+    return np.array(cells[first:last])
 
 
 def _keys(points: Float, voxel_m: float) -> Int:
@@ -60,18 +95,14 @@ def _keys(points: Float, voxel_m: float) -> Int:
     return np.asarray((cells[:, 0] << 42) + (cells[:, 1] << 21) + cells[:, 2])
 
 
-def _merged(one: tuple[Int, Float], other: tuple[Int, Float]) -> tuple[Int, Float]:
-    """Return the cells of two runs, rising, each with the sum of its rows."""
-    keys, rows = zip(one, other, strict=True)
-    return _added(np.concatenate(keys), np.concatenate(rows))
-
-
-def _added(keys: Int, rows: Float) -> tuple[Int, Float]:
-    """Return each key once, rising, and the sum of its rows."""
+def _added(keys: Int, columns: Iterable[Float]) -> NDArray[np.void]:
+    """Return each key once, rising, with the sum of each column of its rows."""
     unique, place = np.unique(keys, return_inverse=True)
-    return unique, np.stack(
-        [np.bincount(place, weights=column, minlength=len(unique)) for column in rows.T], axis=1
-    )
+    cells = np.empty(len(unique), dtype=CELL)
+    cells["key"] = unique
+    for k, column in enumerate(columns):
+        cells["sums"][:, k] = np.bincount(place, weights=column, minlength=len(unique))
+    return cells
 
 
 def _normals(points: Float, towards: Float) -> Float:

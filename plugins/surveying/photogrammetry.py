@@ -18,14 +18,13 @@ from executive_plugins.surveying.depth_maps import (
     straightened,
     sweep_planes,
 )
-from executive_plugins.surveying.fusion import below_flight, fuse
+from executive_plugins.surveying.fusion import below_flight, cells_of, fuse
 from executive_plugins.surveying.photograph_folder import Photographs
-from executive_plugins.surveying.plane_sweep import View
-from executive_plugins.surveying.settings import (
-    PhotogrammetrySettings,
-)
+from executive_plugins.surveying.plane_sweep import Grey, View
+from executive_plugins.surveying.settings import PhotogrammetrySettings
 from executive_plugins.surveying.structure_from_motion import Model, PosedPicture, find_motion
-from executive_plugins.surveying.work_folder import Single, WorkFolder, work_folder
+from executive_plugins.surveying.work_folder import WorkFolder, work_folder
+from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -98,8 +97,7 @@ def reconstruct(
         _check_scale(photographs, alignment, s)
         views, depths, neighbours = _depths(photographs, model, alignment, s, (work, tell))
         cameras = np.array([view.centre for view in views])
-        parts = (_believed(i, views, depths, neighbours, cameras, s) for i in range(len(views)))
-        points, normals = fuse(parts, s.voxel_m, s.fewest)
+        points, normals = fuse(_cells(views, depths, neighbours, s, (work, tell)), s.fewest)
     if not len(points):
         raise DataError(
             f"{photographs.folder}: no point is confirmed by {s.depth.confirmed_by} "
@@ -123,7 +121,7 @@ def _key(photographs: Photographs, s: PhotogrammetrySettings, seed: int) -> str:
 def _depths(
     photographs: Photographs, model: Model, alignment: CameraAlignment, s: PhotogrammetrySettings,
     kept: tuple[WorkFolder, Tell],
-) -> tuple[list[View], list[Single], list[list[int]]]:  # fmt: skip
+) -> tuple[list[View], list[Grey], list[list[int]]]:  # fmt: skip
     """Return the views in the survey, their depth maps, and which are neighbours, best first."""
     work, tell = kept
     sparse = alignment.apply(model.points)
@@ -147,10 +145,11 @@ def _depths(
     with ThreadPoolExecutor(s.depth.threads) as pool:
         views = list(pool.map(view, range(count)))
 
-    def depth(i: int) -> Single:
+    def depth(i: int) -> Grey:
         others = [views[j] for j in neighbours[i]]
         found = work.array(
-            f"depth_{i:05}", lambda: measure_depth(views[i], others, planes, s.depth)
+            f"depth_{i:05}",
+            lambda: measure_depth(views[i], others, planes, s.depth).astype(np.float32),
         )
         tell(f"depth of picture {i + 1} of {count}: {len(planes.offsets_m)} planes")
         return found
@@ -166,11 +165,36 @@ def _T_optical_survey(picture: PosedPicture, alignment: CameraAlignment) -> Floa
     return pose(R, -R @ centre)
 
 
+def _cells(
+    views: list[View], depths: list[Grey], neighbours: list[list[int]],
+    s: PhotogrammetrySettings, kept: tuple[WorkFolder, Tell],
+) -> list[Callable[[], NDArray[np.void]]]:  # fmt: skip
+    """Write the cells of each picture into the work folder; return what reads them from there."""
+    work, tell = kept
+    cameras = np.array([view.centre for view in views])
+
+    def make(i: int) -> NDArray[np.void]:
+        points = _believed(i, views, depths, neighbours, cameras, s)
+        return cells_of(points, views[i].centre, s.voxel_m)
+
+    def read(i: int) -> NDArray[np.void]:
+        return work.array(f"cells_{s.voxel_m}_{s.margin_m}_{i:05}", partial(make, i))
+
+    def write(i: int) -> None:
+        read(i)
+        if (i + 1) % _TOLD == 0 or i + 1 == len(views):
+            tell(f"points of pictures confirmed: {i + 1} of {len(views)}")
+
+    with ThreadPoolExecutor(s.depth.threads) as pool:
+        list(pool.map(write, range(len(views))))
+    return [partial(read, i) for i in range(len(views))]
+
+
 def _believed(
-    i: int, views: list[View], depths: list[Single], neighbours: list[list[int]], cameras: Float,
+    i: int, views: list[View], depths: list[Grey], neighbours: list[list[int]], cameras: Float,
     s: PhotogrammetrySettings,
-) -> tuple[Float, Float]:  # fmt: skip
-    """Return the points of one view that others confirm, below the flight, and its camera."""
+) -> Float:  # fmt: skip
+    """Return the points of one view that others confirm, below the flight."""
     view, depth = views[i], depths[i].astype(np.float64)
     keep = confirmed(view, depth, [(views[j], depths[j]) for j in neighbours[i]], s.depth)
     points = np.vstack(
@@ -179,7 +203,7 @@ def _believed(
             for rows in bands(len(depth))
         ]
     )
-    return points[below_flight(points, cameras, s.margin_m)], view.centre
+    return points[below_flight(points, cameras, s.margin_m)]
 
 
 def _check_scale(

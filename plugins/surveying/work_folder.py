@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from executive.errors import ConfigError
 _KEY = "survey.key"
 _PART = ".part"  # of a name: what is not finished
 
-Single = NDArray[np.float32]
+D = TypeVar("D", bound=np.generic)
 
 
 class WorkFolder:
@@ -30,8 +31,8 @@ class WorkFolder:
         """Return whether something of this name is finished."""
         return (self.path / name).exists()
 
-    def array(self, name: str, make: Callable[[], NDArray[np.floating]]) -> Single:
-        """Return an array of this name in single precision, read-only; make it if it is not there.
+    def array(self, name: str, make: Callable[[], NDArray[D]]) -> NDArray[D]:
+        """Return an array of this name, read-only; make it if it is not there.
 
         It may be called from several threads, with other names.
         """
@@ -39,7 +40,7 @@ class WorkFolder:
         if not file.exists():
             part = file.with_suffix(_PART)
             with part.open("wb") as out:
-                np.save(out, make().astype(np.float32))
+                np.save(out, make())
             part.replace(file)
         return np.asarray(np.load(file, mmap_mode="r"))
 

@@ -1,5 +1,6 @@
 """The parts of surveys: flights, errors of reconstructions, alignment, planes, depth and fusion."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from executive_plugins.surveying.depth_maps import (
     sweep_planes,
 )
 from executive_plugins.surveying.flight import take_pictures
-from executive_plugins.surveying.fusion import below_flight, fuse
+from executive_plugins.surveying.fusion import below_flight, cells_of, fuse
 from executive_plugins.surveying.grid_flight import fly, look
 from executive_plugins.surveying.grid_flight import recorded as recorded_positions
 from executive_plugins.surveying.photograph_folder import read_photographs
@@ -249,9 +250,9 @@ def test_fusion(recorded) -> None:
         told.append(below_flight(points, centres, margin_m).sum())
     square = np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]])
     told.append(below_flight(np.array([[1.0, 1, 0], [1.5, 0.5, 0]]), square, 0.5))
-    parts = [(points[k::2], centres[k]) for k in range(2)]
-    told += [fuse(parts, 0.25, fewest) for fewest in (1, 2, 3)]
-    told.append(fuse([(points[:2], centres[0])], 0.01, 1))
+    parts = [partial(cells_of, points[k::2], centres[k], 0.25) for k in range(2)]
+    told += [fuse(parts, fewest) for fewest in (1, 2, 3)]
+    told.append(fuse([partial(cells_of, points[:2], centres[0], 0.01)], 1))
     recorded(told)
 
 
