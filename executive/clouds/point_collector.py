@@ -13,6 +13,8 @@ from executive.errors import DataError
 
 CHUNK = 1 << 18  # points read at a time
 MOST = 1_500_000  # points kept: a disc of 10 m radius with a point every 1.4 cm
+MOST_APART = 6_000_000  # of those that are farther apart than what the maps keep
+_APART_M = 0.03  # grid of the maps: a coarser one would lose stones of a wide site
 # Reading so many points takes a minute. A sparse file may claim any number without using the disk.
 _MOST_READ = 500_000_000
 _COARSER = 2**0.5  # factor on the grid of the next thinning
@@ -25,7 +27,8 @@ class PointCollector:
     Sensors mark a ray without a return by coordinates that are not finite; organised PCD files have
     many of them. Whenever more than `MOST` points are held, they are thinned to the first point in
     each cell of a grid. The grid begins at 1 cm and becomes coarser until at most half of `MOST`
-    points are left. So memory does not grow with the file.
+    points are left; of points that are farther apart than 3 cm, as those of a site of a kilometre,
+    up to `MOST_APART` are kept. So memory does not grow with the file.
     """
 
     def __init__(self, path: Path, most: int, fields: CarriedFields | None = None) -> None:
@@ -43,7 +46,8 @@ class PointCollector:
             raise DataError(
                 f"{path}: {most} points are more than {_MOST_READ:.0e}; thin or crop the cloud"
             )
-        self._path = path
+        self._path, self._in_file = path, most
+        self._most = MOST
         self._points = np.empty((min(most, MOST + CHUNK), 3))
         self._fields = fields if fields is not None and fields.names else None
         self._carried = (
@@ -75,7 +79,7 @@ class PointCollector:
         for start in range(0, len(x), CHUNK):
             piece = slice(start, start + CHUNK)
             self._add(x[piece], y[piece], z[piece], None if rows is None else rows[piece])
-            if self._kept > MOST:
+            if self._kept > self._most:
                 self._thin()
 
     def _add(self, x: Float, y: Float, z: Float, rows: np.ndarray | None) -> None:
@@ -132,18 +136,41 @@ class PointCollector:
         return points, carried
 
     def _thin(self) -> None:
-        """Keep the first point in each cell, on a grid that leaves at most half of `MOST`."""
+        """Keep the first point in each cell, on a grid that leaves at most half of what may be
+        kept, unless more are farther apart than what the maps keep.
+        """
         before = self._kept
         while True:
-            first = first_in_cells(self._points[: self._kept], self._grid_m)
-            _move_up(self._points, first)
-            if self._carried is not None:
-                _move_up(self._carried, first)
-            self._kept = len(first)
-            if self._kept <= MOST // 2:
+            self._keep_first()
+            if self._kept <= self._most // 2 or self._are_apart():
                 break
             self._grid_m *= _COARSER
         self._crowded += before - self._kept
+
+    def _keep_first(self) -> None:
+        """Keep the first point in each cell of the grid."""
+        first = first_in_cells(self._points[: self._kept], self._grid_m)
+        _move_up(self._points, first)
+        if self._carried is not None:
+            _move_up(self._carried, first)
+        self._kept = len(first)
+
+    def _are_apart(self) -> bool:
+        """Return whether the maps' grid leaves more than half: then more may be kept."""
+        if self._most >= MOST_APART or self._grid_m >= _APART_M:
+            return False
+        if len(first_in_cells(self._points[: self._kept], _APART_M)) <= self._most // 2:
+            return False
+        self._most = MOST_APART
+        self._points = self._with_room(self._points)
+        self._carried = None if self._carried is None else self._with_room(self._carried)
+        return True
+
+    def _with_room(self, rows: np.ndarray) -> np.ndarray:
+        """Return rows in an array with room for as many as may be kept now."""
+        roomy = np.empty((min(self._in_file, MOST_APART + CHUNK), *rows.shape[1:]), rows.dtype)
+        roomy[: self._kept] = rows[: self._kept]
+        return roomy
 
 
 def first_in_cells(points: Float, grid_m: float) -> Int:

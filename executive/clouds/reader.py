@@ -91,27 +91,20 @@ def _check_range(path: Path, points: Float) -> None:
         )
 
 
-def read_site(path: Path) -> Float:
+def read_site(path: Path, widest_m: float | None = None) -> Float:
     """Return the points of a file that holds a site [m], shape (N, 3).
+
+    Args:
+        path: The file.
+        widest_m: Largest width of a site [m]; None for the usual one.
 
     Raises:
         DataError: As `read_points`; or if the cloud is too small, too wide or too coarse for a site
             in metres, which often means that its unit is another one.
     """
     points = read_points(path)
-    check_site(path, points)
+    check_site(path, points, widest_m)
     return points
-
-
-def read_site_cloud(path: Path) -> FileCloud:
-    """Return what `read_cloud` does of a file that holds a site.
-
-    Raises:
-        DataError: As `read_site`; or if a colour is beyond its range.
-    """
-    cloud = read_cloud(path)
-    check_site(path, cloud.points)
-    return cloud
 
 
 def _reader(path: Path) -> Callable[[Path], Float]:

@@ -7,6 +7,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.errors import DataError
 
+_WIDEST_M = 500.0  # width of a site, unless its user says that it is wider
 _LEAST_M = 0.5  # smallest width of a site: a small stone
 _METRES = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "feet": 0.3048}
 _SURVEYED = ("millimetres", "centimetres")  # units in which a site looks too wide for metres
@@ -17,18 +18,20 @@ _STEP_M = 0.03  # the grid of the maps: coordinates in larger steps blur stones
 _SAME = 0.15  # largest difference in size of two views of one site, as a share
 
 
-def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
+def check_site(path: Path, points: Float, widest_m: float | None = None) -> None:
     """Refuse a cloud that cannot be a site in metres.
 
     Args:
         path: The file, for messages.
         points: Its points, shape (N, 3).
-        most_m: Largest width of a site [m].
+        widest_m: Largest width of a site [m]; None for 500 m. Few are wider, and many are in
+            centimetres.
 
     Raises:
         DataError: If the cloud is too wide or too narrow, or its coordinates are too coarse; the
             message names the likely unit.
     """
+    most_m = _WIDEST_M if widest_m is None else widest_m
     sample = points[:: 1 + len(points) // _SAMPLE]
     low, high = np.percentile(sample, _BULK, axis=0)
     bulk, whole = float((high - low).max()), float(np.ptp(points, axis=0).max())
@@ -40,7 +43,7 @@ def check_site(path: Path, points: Float, most_m: float = 500.0) -> None:
         )
         raise DataError(
             f"{path}: {whole:.6g} across is too wide for a site in metres (at most {most_m:g} m); "
-            f"{cure}"
+            f"{cure}; if it is one, raise that limit (--widest; in missions surveying.max_extent_m)"
         )
     if _is_geographic(sample):
         raise DataError(f"{path}: its x and y look like degrees; project it to metres")

@@ -61,6 +61,15 @@ CropSourceOption = Annotated[
     str | None,
     typer.Option(metavar="AREA", help="The same in the source, in its own coordinates."),
 ]
+WidestOption = Annotated[
+    float | None,
+    typer.Option(
+        min=1,
+        max=100_000,
+        metavar="METRES",
+        help="Take a cloud that is up to so wide to be in metres; 500 without this.",
+    ),
+]
 
 
 def settings(set_: list[str] | None, **plugins: str | None) -> tuple[str, ...]:

@@ -43,6 +43,8 @@ def main(words: Sequence[str] | None = None) -> int:
 
     from trials.wall_planner import Job, figures, wall
 
+    if given.keep is not None:  # now, and not after the first wall
+        given.keep.mkdir(parents=True, exist_ok=True)
     with refused(parser):
         jobs = [
             Job(seed, given.stones, given.most, given.drops, given.budget,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from executive.clouds.ply_writer import write_parts
-from executive.clouds.point_collector import MOST
+from executive.clouds.point_collector import MOST, MOST_APART
 
 PEAK = """
 print("peak", re.search(r"VmHWM:\\s+(\\d+) kB", Path("/proc/self/status").read_text())[1])
@@ -83,7 +83,8 @@ def test_reading_takes_at_most_twice_the_file_and_200_mb(tmp_path: Path, single:
     points = np.random.default_rng(0).uniform(0, [20, 20, 0.1], (count, 3))
     write_floats(path, points) if single else write_parts(path, [points])
     printed, peak = run(READER, path)
-    assert MOST / 4 < int(printed.split()[0]) <= MOST
+    # In single precision half of what may be kept is nearer than 3 cm to nothing else.
+    assert MOST / 4 < int(printed.split()[0]) <= MOST_APART
     assert peak < 2 * path.stat().st_size + 200e6
 
 

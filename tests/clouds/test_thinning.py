@@ -14,6 +14,7 @@ from executive.clouds.point_collector import PointCollector
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(point_collector, "MOST", 1000)
+    monkeypatch.setattr(point_collector, "MOST_APART", 1000)
     monkeypatch.setattr(point_collector, "CHUNK", 400)
 
 
@@ -44,6 +45,17 @@ def test_what_is_left_is_some_of_the_points_in_their_order_and_near_all(
     assert (np.diff(rows) > 0).all()
     assert cKDTree(kept).query(points)[0].max() < 0.5 * np.sqrt(2) + 0.01
     assert f"{6000 - len(kept)} of 6000 points are nearer than" in caplog.text
+
+
+def test_a_wide_site_keeps_points_that_are_farther_apart_than_what_maps_keep(
+    small: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(point_collector, "MOST_APART", 4000)
+    apart = np.random.default_rng(0).uniform([-40, -40, 0], [40, 40, 0.01], (4000, 3))
+    assert np.array_equal(collected(apart), apart)
+    assert len(collected(apart / 400)) <= 1000  # in a square of 20 cm
+    more = np.random.default_rng(0).uniform([-40, -40, 0], [40, 40, 0.01], (9000, 3))
+    assert 1000 < len(collected(more)) <= 4000
 
 
 def test_points_without_a_place_are_counted_apart(

@@ -30,7 +30,7 @@ def test_what_differs_is_told_and_written(
 
     monkeypatch.setattr(changes_verb, "_compared", compare)
     clouds = {Path("a.ply"): np.ones((1, 3)), Path("b.ply"): np.full((1, 3), 2.0)}
-    monkeypatch.setattr("executive.clouds.reader.read_site", clouds.__getitem__)
+    monkeypatch.setattr("executive.clouds.reader.read_site", lambda path, _: clouds[path])
     monkeypatch.setattr("executive.clouds.coordinate_system.coordinate_system", lambda path: "EPSG")
     guess = np.eye(4)
     guess[0, 3] = 10.0
@@ -40,7 +40,7 @@ def test_what_differs_is_told_and_written(
         "executive.clouds.ply_writer.write_parts", lambda *given: written.append(given)
     )
     out = tmp_path / "c.ply"
-    changes_verb.changes(Path("a.ply"), Path("b.ply"), None, 0.05, ["a=b"], out, True)
+    changes_verb.changes(Path("a.ply"), Path("b.ply"), None, 0.05, 900.0, ["a=b"], out, True)
     ((before, after, noise_m, set_),) = compared
     assert before.tolist() == [[1.0, 1.0, 1.0]]
     assert after.tolist() == [[16.0, 6.0, 6.0]]  # the scale first, then the pose

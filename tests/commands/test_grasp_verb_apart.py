@@ -54,7 +54,7 @@ def segmenter(monkeypatch: pytest.MonkeyPatch) -> Plugin:
         yield plugin
 
     monkeypatch.setattr(scene, "chosen", chosen)
-    monkeypatch.setattr(scene, "read_site", lambda path: np.ones((4, 3)))
+    monkeypatch.setattr(scene, "read_site", lambda path, _: np.ones((4, 3)))
     return plugin
 
 
@@ -133,12 +133,13 @@ def test_grasps_are_told_written_and_drawn(
     out, picture = tmp_path / "a.json", tmp_path / "a.png"
     with pytest.raises(typer.Exit) as ended:
         grasp_verb.grasp(
-            Path("in/site.ply"), 3, "my_method", ["grasping.x=1"], "m545", (1.0, 2.0, 3.0), out,
-            picture, None, 9, True,
+            Path("in/site.ply"), 3, "my_method", 900.0, ["grasping.x=1"], "m545", (1.0, 2.0, 3.0),
+            out, picture, None, 9, True,
         )  # fmt: skip
     assert ended.value.exit_code == 0
-    cloud, number, choices, machine, base = planned.read
+    cloud, number, choices, machine, base, widest_m = planned.read
     assert (cloud, number, machine, base) == (Path("in/site.ply"), 3, "m545", (1.0, 2.0, 3.0))
+    assert widest_m == 900.0
     uses, options = choices
     assert uses == ("segmentation", "grasping")  # a viewer is needed for --record alone
     assert set(options) == {"grasping.x=1", "grasping.plugin=my_method"}
@@ -162,7 +163,7 @@ def test_a_stone_that_cannot_be_held_is_status_1_and_not_drawn(
     assert ended.value.exit_code == 1
     assert not (tmp_path / "a.png").exists()
     assert capsys.readouterr().out == ""
-    _, number, _, machine, base = planned.read
+    _, number, _, machine, base, _ = planned.read
     assert (number, machine, base) == (0, None, None)
     assert planned.first_number == np.random.default_rng(1).integers(10**9)
 

@@ -154,13 +154,13 @@ def test_what_is_left_out_of_segments_is_told(monkeypatch, tmp_path):
     monkeypatch.setattr(segment, "recording_of", lambda path, out: path)
     monkeypatch.setattr(segment, "shifted", lambda found, offset: offset)
     place = SimpleNamespace(crs="EPSG:2056")
-    site = SimpleNamespace(points=POINTS + 1e6, place=place)
-    monkeypatch.setattr("executive.clouds.reader.read_site_cloud", lambda path: site)
+    site = SimpleNamespace(points=POINTS + 9e4, place=place)
+    monkeypatch.setattr("executive.clouds.reader.read_cloud", lambda path: site)
     rest = SimpleNamespace(kind="wall", points=7, centroid=np.array([1.0, 2.0, 3.0]), reason="flat")
     one = Segment(4, POINTS, POINTS.mean(axis=0), np.ptp(POINTS, axis=0))
     plugin = Segmenter((one,), left_out=(rest,), scattered_points=12, warnings=("sparse",))
     path = tmp_path / "site.ply"
-    find = partial(segment._found, plugin, Crop(None), None)
+    find = partial(segment._found, plugin, Crop(None), None, None)
     answer = segment._segmented(find, path, None, True)
     assert answer == {"segments": 1, "crs": "EPSG:2056"}
     assert told == [
@@ -174,7 +174,7 @@ def test_what_is_left_out_of_segments_is_told(monkeypatch, tmp_path):
     assert np.abs(entities["cloud"].points).max() < 1e3  # near its own origin
     np.testing.assert_allclose(entities["cloud"].points + entities["segments"], site.points)
     told.clear()
-    segment._segmented(partial(segment._found, Segmenter(()), Crop(None), None), path, None)
+    segment._segmented(partial(segment._found, Segmenter(()), Crop(None), None, None), path, None)
     assert told == [f"{path}: 0 segments of 3 points"]
 
 

@@ -14,6 +14,7 @@ from executive.commands.options import (
     SetOption,
     SourceArgument,
     TargetArgument,
+    WidestOption,
     settings,
 )
 
@@ -44,6 +45,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     ] = 0.3,
     crop: CropOption = None,
     crop_source: CropSourceOption = None,
+    widest: WidestOption = None,
     out: BothOption = None,
     as_json: JsonOption = False,
     view: ViewOption = False,
@@ -61,7 +63,7 @@ def align(  # noqa: PLR0913 - the options of the command line, each a parameter 
     from executive.messages.cloud import Cloud
     from executive.tree.choices import Choices
 
-    overlay = Overlay(source, target, crop, crop_source, out, as_json, view)
+    overlay = Overlay(source, target, crop, crop_source, widest, out, as_json, view)
     overlay.check()
     T_guess, scale = read_guess(guess)
     set_words = settings(set_, alignment=method)

@@ -9,7 +9,7 @@ import typer
 
 from executive.commands.clouds.align import GuessOption
 from executive.commands.console import answer, check_output, say
-from executive.commands.options import JsonOption, SetOption
+from executive.commands.options import JsonOption, SetOption, WidestOption
 
 if TYPE_CHECKING:
     from executive.arrays import Float
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _AROUND_M = 1.0  # ground around what came, for a search among it
 
 
-def changes(
+def changes(  # noqa: PLR0913 - the options of the command line, each a parameter to typer
     earlier: Annotated[Path, typer.Argument(metavar="EARLIER", help="Cloud of the site before.")],
     later: Annotated[Path, typer.Argument(metavar="LATER", help="Cloud of the site afterwards.")],
     guess: GuessOption = None,
@@ -29,6 +29,7 @@ def changes(
             min=0.005, max=0.5, help="Three standard deviations of heights, misfit included [m]."
         ),
     ] = 0.06,
+    widest: WidestOption = None,
     set_: SetOption = None,
     out: Annotated[
         Path | None, typer.Option(help="PLY file for what came, went and moved, one colour each.")
@@ -51,8 +52,8 @@ def changes(
 
     check_output("--out", out, ".ply", read=(earlier, later))
     T_earlier_later, scale = read_guess(guess)
-    before = read_site(earlier)
-    after = transform(T_earlier_later, scale * read_site(later))
+    before = read_site(earlier, widest)
+    after = transform(T_earlier_later, scale * read_site(later, widest))
     found, crs = _compared(before, after, noise, set_ or ()), coordinate_system(earlier)
     _say(found)
     if out:

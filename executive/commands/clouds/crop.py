@@ -1,5 +1,6 @@
 """The part of a cloud that a command is to look at."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from executive.errors import ConfigError, DataError
@@ -44,6 +45,28 @@ class Crop:
         if not self._numbers:
             return cloud
         return Cloud(cloud.frame, cloud.points[self.inside(cloud.points)])
+
+    def of_site(self, path: Path, name: str, points: "Float", widest_m: float | None) -> "Cloud":
+        """Return the part of a file's points that is a site.
+
+        Args:
+            path: The file, for messages.
+            name: Of the cloud's frame.
+            points: Its points [m], shape (N, 3).
+            widest_m: Largest width of the part [m]; None for the usual one.
+
+        Raises:
+            DataError: If no point is in it, or it is no site in metres.
+        """
+        from executive.clouds.units import check_site
+        from executive.messages.cloud import Cloud
+
+        try:
+            site = self.of(Cloud(name, points))
+        except DataError as error:
+            raise DataError(f"{path}: {error}") from error
+        check_site(path, site.points, widest_m)
+        return site
 
     def inside(self, points: "Float") -> "Bool":
         """Return which points are in the area, shape (N,).

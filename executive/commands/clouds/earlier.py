@@ -18,13 +18,14 @@ class EarlierCloud:
 
     Args:
         path: Its file, in the coordinates of the later cloud.
+        widest_m: Largest width of it [m]; None for the usual one.
 
     Raises:
         DataError: If it cannot be read.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._name, self._points = path.name, read_site(path)
+    def __init__(self, path: Path, widest_m: float | None) -> None:
+        self._name, self._points = path.name, read_site(path, widest_m)
         self._heights = HeightMap(self._points)
 
     def with_moving(self, found: "Segmentation", points: "Float") -> "Segmentation":

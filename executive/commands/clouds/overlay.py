@@ -9,7 +9,7 @@ from typing import Any
 from executive.clouds.coordinate_system import coordinate_system
 from executive.clouds.file_cloud import Place
 from executive.clouds.ply_writer import coloured_parts
-from executive.clouds.reader import read_site
+from executive.clouds.reader import read_points
 from executive.clouds.writer import write_cloud
 from executive.commands.clouds.alignment_answer import alignment_answer, alignment_view, verdict
 from executive.commands.clouds.crop import Crop
@@ -33,6 +33,7 @@ class Overlay:
         crop: Words of the area to look at in the target; None for all of it.
         crop_source: The same in the source, in its own coordinates.
         out: File for both clouds, or folder for the answers of a folder.
+        widest_m: Largest width of what is looked at of each cloud [m]; None for the usual one.
         as_json: Whether to answer on standard output.
         is_shown: Whether to show the result.
     """
@@ -41,6 +42,7 @@ class Overlay:
     target: Path
     crop: str | None
     crop_source: str | None
+    widest_m: float | None
     out: Path | None
     as_json: bool
     is_shown: bool
@@ -72,14 +74,14 @@ class Overlay:
             DataError: If a cloud cannot be used, or no point is in the area.
             ConfigError: As `check`.
         """
-        target = self._areas()[0].of(Cloud("target", read_site(self.target)))
+        target = self._site(0, self.target, "target")
         crs = coordinate_system(self.target)
         if not self.source.is_dir():
             found = self._laid(lay, target, crs, self.source, self.out)
             if self.as_json:
                 answer(found)
             return 0 if found["accepted"] else 1
-        crops = {"crop": self.crop, "crop_source": self.crop_source}
+        crops = {"crop": self.crop, "crop_source": self.crop_source, "widest": self.widest_m}
         all_asked = {**asked, "target": str(self.target.resolve()), **crops}
         batch = Batch(self.source, self.out, all_asked, "both", (self.target,))
         return each_of(batch, partial(self._laid, lay, target, crs))
@@ -87,11 +89,14 @@ class Overlay:
     def _areas(self) -> tuple[Crop, Crop]:
         return Crop(self.crop), Crop(self.crop_source, "--crop-source")
 
+    def _site(self, area: int, path: Path, name: str) -> Cloud:
+        return self._areas()[area].of_site(path, name, read_points(path), self.widest_m)
+
     def _laid(
         self, lay: Lay, target: Cloud, crs: str, path: Path, out: Path | None
     ) -> dict[str, Any]:
         """Lay one source over the target, say and show what was found, and return the answer."""
-        source = self._areas()[1].of(Cloud("source", read_site(path)))
+        source = self._site(1, path, "source")
         found = lay(target, source)
         told = verdict(found, source.points, target.points)
         say(f"{path.name}: {told}" if self.source.is_dir() else told)

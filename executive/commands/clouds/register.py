@@ -13,6 +13,7 @@ from executive.commands.options import (
     SetOption,
     SourceArgument,
     TargetArgument,
+    WidestOption,
     settings,
 )
 
@@ -30,6 +31,7 @@ def register(  # noqa: PLR0913 - the options of the command line, each a paramet
     set_: SetOption = None,
     crop: CropOption = None,
     crop_source: CropSourceOption = None,
+    widest: WidestOption = None,
     out: BothOption = None,
     as_json: JsonOption = False,
     view: ViewOption = False,
@@ -47,7 +49,7 @@ def register(  # noqa: PLR0913 - the options of the command line, each a paramet
     from executive.interfaces.registration import Registrar
     from executive.tree.choices import Choices
 
-    overlay = Overlay(source, target, crop, crop_source, out, as_json, view)
+    overlay = Overlay(source, target, crop, crop_source, widest, out, as_json, view)
     overlay.check()
     set_words = settings(set_, registration=method)
     choices = Choices(("registration",), set_words)

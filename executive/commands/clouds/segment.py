@@ -16,7 +16,7 @@ from executive.commands.clouds.view import (
     show,
 )
 from executive.commands.console import answer, say
-from executive.commands.options import CropOption, JsonOption, SetOption, settings
+from executive.commands.options import CropOption, JsonOption, SetOption, WidestOption, settings
 from executive.errors import DataError
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def segment(  # noqa: PLR0913 - the options of the command line, each a paramete
     ] = None,
     set_: SetOption = None,
     crop: CropOption = None,
+    widest: WidestOption = None,
     earlier: Annotated[
         Path | None,
         typer.Option(
@@ -85,10 +86,10 @@ def segment(  # noqa: PLR0913 - the options of the command line, each a paramete
     set_words = settings(set_, segmentation=method)
     choices = Choices(("segmentation",), set_words)
     with chosen(Segmenter, choices) as segmenter:
-        before = None if earlier is None else EarlierCloud(earlier)
-        work = partial(_segmented, partial(_found, segmenter, area, before))
+        before = None if earlier is None else EarlierCloud(earlier, widest)
+        work = partial(_segmented, partial(_found, segmenter, area, widest, before))
         if cloud.is_dir():
-            asked = {"set": list(set_words), "crop": crop, **_asked(earlier)}
+            asked = {"set": list(set_words), "crop": crop, "widest": widest, **_asked(earlier)}
             status = each_of(Batch(cloud, out, asked, "segments", read), work)
         else:
             found = work(cloud, out, view)
@@ -105,17 +106,16 @@ def _asked(earlier: Path | None) -> dict[str, str]:
 
 
 def _found(
-    segmenter: "Segmenter", area: "Crop", before: "EarlierCloud | None", path: Path, points: "Float"
-) -> "tuple[Cloud, Segmentation]":
+    segmenter: "Segmenter", area: "Crop", widest_m: float | None, before: "EarlierCloud | None",
+    path: Path, points: "Float",
+) -> "tuple[Cloud, Segmentation]":  # fmt: skip
     """Return the part of a file's points in the area [m], and its segmentation.
 
     Raises:
         DataError: If there is nothing to segment; the file is named.
     """
-    from executive.messages.cloud import Cloud
-
+    cloud = area.of_site(path, path.stem, points, widest_m)
     try:
-        cloud = area.of(Cloud(path.stem, points))
         found = segmenter.segment(cloud)
         return cloud, found if before is None else before.with_moving(found, cloud.points)
     except DataError as error:
@@ -130,11 +130,11 @@ def _segmented(
 ) -> dict[str, Any]:
     """Segment one file, tell what was found, write and show the segments, and return the answer."""
     from executive.clouds.ply_writer import coloured_parts
-    from executive.clouds.reader import read_site_cloud
+    from executive.clouds.reader import read_cloud
     from executive.clouds.writer import write_cloud
     from executive.messages.cloud import Cloud
 
-    site = read_site_cloud(path)
+    site = read_cloud(path)
     points, found = find(path, site.points)
     for one in found.segments:
         say(_line(one))

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from executive.commands.console import answer, check_output, say
-from executive.commands.options import CloudArgument, JsonOption, SeedOption, SetOption, settings
+from executive.commands.options import (
+    CloudArgument,
+    JsonOption,
+    SeedOption,
+    SetOption,
+    WidestOption,
+    settings,
+)
 from executive.extras import require_extra
 
 if TYPE_CHECKING:
@@ -22,6 +29,7 @@ def grasp(  # noqa: PLR0913 - the options of the command line, each a parameter 
     method: Annotated[
         str | None, typer.Option(help="Short for --set grasping.plugin=NAME.")
     ] = None,
+    widest: WidestOption = None,
     set_: SetOption = None,
     machine: Annotated[
         str | None,
@@ -63,7 +71,7 @@ def grasp(  # noqa: PLR0913 - the options of the command line, each a parameter 
         require_extra("--picture", "viewing")
     uses = ("segmentation", "grasping", *(("viewing",) if record else ()))
     choices = Choices(uses, settings(set_, grasping=method))
-    scene = read_scene(cloud, segment, choices, machine, base)
+    scene = read_scene(cloud, segment, choices, machine, base, widest)
     plan = plan_grasps(scene, np.random.default_rng(seed))
     answered = plan_answer(plan, segment, scene.T_map_base)
     say(

@@ -47,17 +47,22 @@ class GraspScene:
 
 
 def read_scene(
-    path: Path, segment: int, choices: Choices, model: str | None, place: Place | None
+    path: Path,
+    segment: int,
+    choices: Choices,
+    model: str | None,
+    place: Place | None,
+    widest_m: float | None = None,
 ) -> GraspScene:
     """Read and segment a cloud, and put the machine at a place: x, y [m] and yaw [deg], or beside
-    the stone.
+    the stone. A cloud wider than `widest_m` is taken to be in another unit.
 
     Raises:
         ConfigError: If there is no such machine.
         DataError: If the file cannot be used, or has no segment of that number.
     """
     model = model or choices.model
-    machine, points = load_machine(model), read_site(path)
+    machine, points = load_machine(model), read_site(path, widest_m)
     with chosen(Segmenter, choices) as segmenter:
         found = segmenter.segment(Cloud("map", points))
     if segment >= len(found.segments):
