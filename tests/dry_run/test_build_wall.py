@@ -14,6 +14,7 @@ mocks:
     - {outputs: {stone: 3, free_slots: []}}
     - %s
     - {status: failure, outputs: {ending: complete}}
+  KeepFittingGrasps: {outputs: {grasps: [{score: 0.5}]}}
   CloseGripper: [failure, success]
   ForgetPlace: success
   DetectSlip: success
@@ -44,6 +45,42 @@ def test_jaws_that_close_on_nothing_are_followed_by_a_look_and_a_new_plan(
 ) -> None:
     mocks = tmp_path / "mocks.yaml"
     mocks.write_text(MOCKS % (second_plan, ends))
+    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
+    monkeypatch.setattr(sys, "argv", ["executive", *words])
+    assert exit_status() == 0
+
+
+UNLIKELY = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: []}}
+    - {status: failure, outputs: {ending: no_stones}}
+  KeepFittingGrasps: {outputs: {grasps: [{score: %s}]}}
+  DetectSlip: success
+  VerifyPlacement: success
+  SetAside: success
+  TakeUpAgain: failure
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+
+
+@pytest.mark.parametrize(
+    ("score", "ends"),
+    [
+        ("0.49", "SetAside: [success], PlanPick: [], FindAgain: []"),
+        ("0.51", "SetAside: [], PlanPick: [success], CloseGripper: [success]"),
+    ],
+)
+def test_a_stone_that_no_grasp_is_likely_to_hold_is_left_without_an_attempt(
+    monkeypatch: pytest.MonkeyPatch, tmp_path, score: str, ends: str
+) -> None:
+    mocks = tmp_path / "mocks.yaml"
+    mocks.write_text(UNLIKELY % (score, ends))
     words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
     monkeypatch.setattr(sys, "argv", ["executive", *words])
     assert exit_status() == 0
