@@ -86,6 +86,34 @@ def test_a_stone_that_no_grasp_is_likely_to_hold_is_left_without_an_attempt(
     assert exit_status() == 0
 
 
+UNTOUCHED = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: []}}
+    - {outputs: {stone: 3, free_slots: []}}
+    - {status: failure, outputs: {ending: complete}}
+  KeepFittingGrasps: [{status: failure}, {outputs: {grasps: [{score: 0.9}]}}]
+  DetectSlip: success
+  VerifyPlacement: success
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {KeepFittingGrasps: [failure, success], PlanPick: [success], FindAgain: [], SetAside: []}
+"""
+
+
+def test_a_stone_that_no_grasp_fits_is_planned_anew_and_not_looked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path
+) -> None:
+    mocks = tmp_path / "mocks.yaml"
+    mocks.write_text(UNTOUCHED)
+    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
+    monkeypatch.setattr(sys, "argv", ["executive", *words])
+    assert exit_status() == 0
+
+
 OVER = """api: 1
 mocks:
   Localise: success
