@@ -205,6 +205,6 @@ def _look_beside(
     for place in range(len(counts)):
         if counts[place, 1] == pair or counts[place, 2] == pair or counts[place, 3] == _FORGOTTEN:
             continue
-        if passed_on_both_sides(nearest, means[place] - origin, lengths_m[0], lengths_m[1]):
+        if passed_on_both_sides(nearest, origin, means[place], lengths_m[0], lengths_m[1]):
             counts[place, 2] = pair
             counts[place, 3] += 1

@@ -55,4 +55,4 @@ def _add_empty(
     """Mark the places that a view saw to be empty."""
     for n in range(len(places)):
         if not empty[n]:
-            empty[n] = passed_on_both_sides(nearest, places[n] - origin, width_m, margin_m)
+            empty[n] = passed_on_both_sides(nearest, origin, places[n], width_m, margin_m)

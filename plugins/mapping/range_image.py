@@ -27,28 +27,33 @@ def nearest_returns(origin: Float, points: Float) -> Float:  # pragma: no cover 
     """
     nearest = np.full((_ACROSS, _UP), np.inf)
     for n in range(len(points)):
-        across, up, range_m = _direction(points[n] - origin)
+        x, y, z = points[n, 0] - origin[0], points[n, 1] - origin[1], points[n, 2] - origin[2]
+        across, up, range_m = _direction(x, y, z)
         nearest[across, up] = min(nearest[across, up], range_m)
     return nearest
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def passed_on_both_sides(
-    nearest: Float, offset: Float, width_m: float, margin_m: float
+    nearest: Float, origin: Float, place: Float, width_m: float, margin_m: float
 ) -> bool:  # pragma: no cover - compiled
     """Return whether rays at most a width apart pass a place above and below, or left and right,
     and none in the other direction ends before it.
 
     Args:
         nearest: What `nearest_returns` found.
-        offset: Of the place from the lidar [m], shape (3,).
+        origin: Position of the lidar [m], shape (3,).
+        place: The place in the same frame [m], shape (3,).
         width_m: Largest distance of the two rays, at the place [m].
         margin_m: Distance behind the place at which they end at least [m].
     """
-    across, up, range_m = _direction(offset)
+    x, y, z = place[0] - origin[0], place[1] - origin[1], place[2] - origin[2]
+    across, up, range_m = _direction(x, y, z)
     least_m = range_m + margin_m
     most = int(width_m / (range_m * _STEP_RAD)) + 1
     upright = _passed(nearest, across, up, 0, 1, most, least_m)
+    if upright == _STOPPED:
+        return False
     level = _passed(nearest, across, up, 1, 0, most, least_m)
     return bool(min(upright, level) >= _UNKNOWN and max(upright, level) == _SEEN_THROUGH)
 
@@ -92,9 +97,15 @@ def _abreast(
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _direction(offset: Float) -> tuple[int, int, float]:  # pragma: no cover - compiled
-    flat_m = np.sqrt(offset[0] ** 2 + offset[1] ** 2)
-    across = int((np.arctan2(offset[1], offset[0]) + np.pi) / _STEP_RAD)
-    up = int((np.arctan2(offset[2], flat_m) + 0.5 * np.pi) / _STEP_RAD)
-    range_m = np.sqrt(flat_m**2 + offset[2] ** 2)
+def _direction(
+    x: float, y: float, z: float
+) -> tuple[int, int, float]:  # pragma: no cover - compiled
+    """Return the indices of a direction and the length of its vector [m].
+
+    It takes numbers, because an array for each return or place took as long as all the rest.
+    """
+    flat_m = np.sqrt(x**2 + y**2)
+    across = int((np.arctan2(y, x) + np.pi) / _STEP_RAD)
+    up = int((np.arctan2(z, flat_m) + 0.5 * np.pi) / _STEP_RAD)
+    range_m = np.sqrt(flat_m**2 + z**2)
     return min(across, _ACROSS - 1), min(up, _UP - 1), range_m

@@ -202,7 +202,7 @@ def test_a_place_is_seen_through_if_rays_pass_on_both_sides_of_it(
 ) -> None:
     nearest = nearest_returns(np.zeros(3), rays(ups_rad, ranges_m))
     place = np.array([5.0, 0.0, 0.0])
-    assert passed_on_both_sides(nearest, place, 0.25, 0.3) == is_passed
+    assert passed_on_both_sides(nearest, np.zeros(3), place, 0.25, 0.3) == is_passed
 
 
 FEW = 20  # gaps that are left alone, here
