@@ -106,6 +106,26 @@ def _refill(
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def _used_rows(
+    keys: Int, means: Float, counts: Int
+) -> tuple[Int, Float, Int]:  # pragma: no cover - compiled
+    """Return keys, means and counts of the voxels that have points, in order of their rows."""
+    size = 0
+    for row in range(len(keys)):
+        size += counts[row] > 0
+    used_keys, used_counts = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    used_means = np.empty((size, 3))
+    n = 0
+    for row in range(len(keys)):
+        if counts[row] > 0:
+            used_keys[n], used_counts[n] = keys[row], counts[row]
+            for axis in range(3):
+                used_means[n, axis] = means[row, axis]
+            n += 1
+    return used_keys, used_means, used_counts
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def _sorted_rows(keys: Int, counts: Int) -> Int:  # pragma: no cover - compiled
     """Return the rows of voxels that have points, in order of their keys."""
     rows, found = np.empty(len(keys), dtype=np.int64), 0
@@ -187,6 +207,7 @@ class VoxelGrid:
         warm_up.keep(np.ones(1, dtype=bool))
         warm_up.erase(np.zeros((1, 3), dtype=np.int64), 1)
         warm_up.forget_sphere(np.zeros(3), 1.0, 1)
+        warm_up.rows()
 
     def __len__(self) -> int:
         return int((self._counts > 0).sum())
@@ -236,9 +257,12 @@ class VoxelGrid:
         return rows if is_same else None
 
     def rows(self) -> tuple[Int, Float, Int]:
-        """Return keys (N,), means [m] (N, 3) and numbers of points (N,) in order of the voxels."""
-        rows = self._rows()
-        return self._keys[rows], self._means[rows], self._counts[rows]
+        """Return keys (N,), means [m] (N, 3) and numbers of points (N,) as the table has them.
+
+        To sort them, and to read the table in that order, takes ten times as long.
+        """
+        keys, means, counts = _used_rows(self._keys, self._means, self._counts)
+        return keys, means, counts
 
     def refill(self, keys: Int, means: Float, counts: Int) -> None:
         """Replace the content by what `rows` returned."""
