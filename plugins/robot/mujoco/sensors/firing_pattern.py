@@ -10,6 +10,8 @@ from executive.arrays import Float, Int
 from executive.geometry.pose import inverse
 from executive.machine.sensor import Lidar
 
+_LEAST = 1e-9  # in place of a part of a direction that is zero: 0.1 µm in 100 m
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FiringPattern:
@@ -20,12 +22,14 @@ class FiringPattern:
         own_range_m: Range to the carrying link, inf where it is not hit, shape (columns · lasers,).
         free: Indices of the rays that do not hit the carrying link, rising, shape (M,).
         free_rays: Those rays in the lidar frame: origin 0 and direction, shape (M, 6).
+        free_inverse: One over each part of their directions, finite, shape (3, M).
     """
 
     directions: Rays
     own_range_m: Float
     free: Int
     free_rays: Rays
+    free_inverse: Rays
 
 
 def firing_pattern(lidar: Lidar, columns: int, phase: float, own: Sequence[Mesh]) -> FiringPattern:
@@ -40,4 +44,7 @@ def firing_pattern(lidar: Lidar, columns: int, phase: float, own: Sequence[Mesh]
     T_lidar_link = inverse(lidar.T_link_sensor)
     own_range_m = RayMesh([moved(mesh, T_lidar_link) for mesh in own]).cast(rays).astype(np.float64)
     free = np.flatnonzero(np.isinf(own_range_m))
-    return FiringPattern(rays[:, 3:].reshape(directions.shape), own_range_m, free, rays[free])
+    along = np.where(np.abs(rays[free, 3:]) > _LEAST, rays[free, 3:], _LEAST)
+    inverse_along = np.ascontiguousarray(1.0 / along.T, dtype=np.float32)
+    flat_rays = rays[:, 3:].reshape(directions.shape)
+    return FiringPattern(flat_rays, own_range_m, free, rays[free], inverse_along)

@@ -5,6 +5,12 @@ from functools import cache
 
 import numpy as np
 from executive_plugins.robot.mujoco.sensors.articulated_mesh import ArticulatedMesh
+from executive_plugins.robot.mujoco.sensors.beams import (
+    beams_in_world,
+    beams_towards,
+    compile_beams,
+    returned_points,
+)
 from executive_plugins.robot.mujoco.sensors.firing_pattern import FiringPattern, firing_pattern
 from executive_plugins.robot.mujoco.sensors.pose_history import PoseHistory
 from executive_plugins.robot.mujoco.site.ray_mesh import Mesh, RayMesh, Rays
@@ -20,6 +26,8 @@ _SLICES = 3
 # Firing is not synchronised with the angle: a revolution begins at a multiple of this fraction of a
 # column.
 _PHASES = 4
+# About the boxes of moving objects, against rounding in single precision: 1e-5 of 100 m.
+_MARGIN_M = 1e-3
 
 
 class SpinningLidar:
@@ -51,6 +59,7 @@ class SpinningLidar:
             (history.index(name), mesh) for name, mesh in skin.items() if name != lidar.link
         ]
         self._pattern = cache(self._make_pattern)
+        compile_beams()
 
     def _make_pattern(self, phase: int) -> FiringPattern:
         return firing_pattern(self.lidar, self._columns, phase / _PHASES, self._own)
@@ -71,7 +80,7 @@ class SpinningLidar:
         nearest, farthest = self.lidar.range_m
         hit = np.flatnonzero((ranges >= nearest) & (ranges <= farthest))
         measured = ranges[hit] + self._rng.normal(0.0, self.lidar.range_noise_m, len(hit))
-        points = pattern.directions.reshape(-1, 3)[hit] * measured[:, None]
+        points = returned_points(pattern.directions, hit, measured)
         return LidarScan(end_s, self.lidar.name, points, times[hit // self.lidar.lasers])
 
     def _cast_site(self, pattern: FiringPattern, times: Float) -> Rays:
@@ -79,10 +88,9 @@ class SpinningLidar:
         T_link_lidar = self.lidar.T_link_sensor
         t_world_link, R_world_link = self._history.track(self.lidar.link, times)
         R_world_lidar = R_world_link @ T_link_lidar[:3, :3]
-        rays = np.empty((*pattern.directions.shape[:2], 6), dtype=np.float32)
-        rays[..., :3] = (t_world_link + R_world_link @ T_link_lidar[:3, 3])[:, None, :]
-        rays[..., 3:] = pattern.directions @ R_world_lidar.transpose(0, 2, 1).astype(np.float32)
-        return self._scene.cast_resting(rays.reshape(-1, 6)[pattern.free])
+        origins = t_world_link + R_world_link @ T_link_lidar[:3, 3]
+        rays = beams_in_world(pattern.directions, pattern.free, origins, R_world_lidar)
+        return self._scene.cast_resting(rays)
 
     def _cast_movers(self, pattern: FiringPattern, times: Float) -> Rays:
         """Return the ranges of the free rays to other links and moving stones."""
@@ -96,9 +104,25 @@ class SpinningLidar:
             pattern.free, np.arange(1, _SLICES) * len(pattern.own_range_m) // _SLICES
         )
         middles = times[(2 * np.arange(_SLICES) + 1) * len(times) // (2 * _SLICES)]
+        rays = np.split(pattern.free_rays, ends)
+        inverse = np.split(pattern.free_inverse, ends, axis=1)
         ranges = []
-        for rays, middle_s in zip(np.split(pattern.free_rays, ends), middles, strict=True):
+        for part, own, middle_s in zip(rays, inverse, middles, strict=True):
             positions, rotations = self._history.poses(float(middle_s))
             T_world_lidar = pose(rotations[link], positions[link]) @ self.lidar.T_link_sensor
-            ranges.append(RayMesh([movers.posed(positions, rotations, T_world_lidar)]).cast(rays))
+            mesh = movers.posed(positions, rotations, T_world_lidar)
+            ranges.append(_cast(part, own, mesh, movers.boxes(mesh[0])))
         return np.concatenate(ranges)
+
+
+def _cast(rays: Rays, inverse: Rays, mesh: Mesh, boxes: tuple[Float, Float]) -> Rays:
+    """Return the ranges of rays from the origin to a mesh, inf for none, shape (N,).
+
+    Only those are cast that pass through one of the boxes in which the parts of the mesh lie.
+    """
+    ranges = np.full(len(rays), np.inf, dtype=np.float32)
+    low, high = (boxes[0] - _MARGIN_M).astype(np.float32), (boxes[1] + _MARGIN_M).astype(np.float32)
+    near = np.flatnonzero(beams_towards(np.ascontiguousarray(inverse), low, high))
+    if len(near):
+        ranges[near] = RayMesh([mesh]).cast(rays[near])
+    return ranges

@@ -1,5 +1,6 @@
 """Poses of bodies over the last fraction of a second, as a spinning lidar needs them."""
 
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Sequence
 from typing import Any
@@ -49,10 +50,21 @@ class PoseHistory:
 
     def poses(self, time_s: float) -> tuple[Float, Float]:
         """Return positions (B, 3) [m] and rotations (B, 3, 3) of all bodies at a time."""
-        positions, rotations = self._interpolate(np.array([time_s]), slice(None))
-        return positions[0], rotations[0]
+        if len(self._samples) == 1:
+            _, position, rotation = self._samples[0]
+            return position.copy(), rotation.copy()
+        # Only the two samples about the time are looked at: there are bodies by the dozen.
+        next_one = bisect_left(self._samples, time_s, key=lambda sample: sample[0])
+        i = min(max(next_one - 1, 0), len(self._samples) - 2)
+        (from_s, *before), (to_s, *after) = self._samples[i], self._samples[i + 1]
+        share = min(max((time_s - from_s) / (to_s - from_s), 0.0), 1.0)
+        position, rotation = (
+            np.asarray((1 - share) * one + share * other)
+            for one, other in zip(before, after, strict=True)
+        )
+        return position, rotation
 
-    def _interpolate(self, times_s: Float, which: int | slice) -> tuple[Float, Float]:
+    def _interpolate(self, times_s: Float, which: int) -> tuple[Float, Float]:
         stamps = np.array([sample[0] for sample in self._samples])
         if len(stamps) == 1:
             _, position, rotation = self._samples[0]

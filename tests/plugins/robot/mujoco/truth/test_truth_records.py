@@ -48,5 +48,9 @@ def test_a_mesh_of_moving_bodies_is_posed_body_by_body_and_one_of_none_is_empty(
     expected = [[0, -2, 0], [0, -3, 0], [1, -2, 0], [0, 1, 5], [1, 1, 5], [0, 2, 5]]
     np.testing.assert_allclose(vertices, expected, atol=1e-12)
     assert triangles.tolist() == [[0, 1, 2], [3, 4, 5]]
+    low, high = mesh.boxes(vertices)
+    np.testing.assert_allclose(low, [[0, -3, 0], [0, 1, 5]], atol=1e-12)
+    np.testing.assert_allclose(high, [[1, -2, 0], [1, 2, 5]], atol=1e-12)
     none = ArticulatedMesh.of([])
+    assert [corners.shape for corners in none.boxes(none.vertices)] == [(0, 3), (0, 3)]
     assert (none.vertices.shape, none.owners.shape, none.triangles.shape) == ((0, 3), (0,), (0, 3))
