@@ -17,7 +17,7 @@ present, hold what moves.
 
 import numpy as np
 from executive_plugins.mapping.earlier_views import EarlierViews
-from executive_plugins.mapping.range_image import nearest_returns, passed_on_both_sides
+from executive_plugins.mapping.range_image import RangeImage, nearest_returns, passed_on_both_sides
 from numba import njit
 from numpy.typing import NDArray
 
@@ -101,10 +101,10 @@ class Carver:
         self._counts[first : self._used, 4][came] = self._pair
         seen = [(origin, nearest_returns(origin, points)) for origin, points in views]
         self._earlier.add(self._pair, seen)
-        for origin, nearest in seen:
+        for origin, image in seen:
             _look_beside(
                 origin,
-                nearest,
+                image,
                 self._means,
                 self._counts[: self._used],
                 (self._smallest_m, self._margin_m),
@@ -195,7 +195,7 @@ def _hit(  # noqa: PLR0913 - arrays of one table
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _look_beside(
     origin: Float,
-    nearest: Float,
+    image: RangeImage,
     means: Float,
     counts: Int,
     lengths_m: tuple[float, float],
@@ -205,6 +205,6 @@ def _look_beside(
     for place in range(len(counts)):
         if counts[place, 1] == pair or counts[place, 2] == pair or counts[place, 3] == _FORGOTTEN:
             continue
-        if passed_on_both_sides(nearest, origin, means[place], lengths_m[0], lengths_m[1]):
+        if passed_on_both_sides(image, origin, means[place], lengths_m[0], lengths_m[1]):
             counts[place, 2] = pair
             counts[place, 3] += 1

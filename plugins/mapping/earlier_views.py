@@ -4,13 +4,13 @@ from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
-from executive_plugins.mapping.range_image import passed_on_both_sides
+from executive_plugins.mapping.range_image import RangeImage, passed_on_both_sides
 from numba import njit
 
 from executive.arrays import Bool, Float
 
 _VIEWS = 4  # scan pairs that are kept, spread evenly over the last seconds
-View = tuple[Float, Float]  # position of a lidar [m], and what `nearest_returns` found from there
+View = tuple[Float, RangeImage]  # position of a lidar [m], and what it saw from there
 
 
 class EarlierViews:
@@ -43,16 +43,16 @@ class EarlierViews:
         """Return which places a kept pair saw to be empty, (N, 3) → (N,)."""
         empty = np.zeros(len(places), dtype=np.bool_)
         for pair in self._kept:
-            for origin, nearest in pair:
-                _add_empty(empty, places, origin, nearest, *self._lengths_m)
+            for origin, image in pair:
+                _add_empty(empty, places, origin, image, *self._lengths_m)
         return empty
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _add_empty(
-    empty: Bool, places: Float, origin: Float, nearest: Float, width_m: float, margin_m: float
+    empty: Bool, places: Float, origin: Float, image: RangeImage, width_m: float, margin_m: float
 ) -> None:  # pragma: no cover - compiled
     """Mark the places that a view saw to be empty."""
     for n in range(len(places)):
         if not empty[n]:
-            empty[n] = passed_on_both_sides(nearest, origin, places[n], width_m, margin_m)
+            empty[n] = passed_on_both_sides(image, origin, places[n], width_m, margin_m)

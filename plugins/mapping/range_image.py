@@ -6,20 +6,36 @@ smallest thing to be kept, both end well behind it, and no return about it is ne
 that size is there: it would have stopped one of them.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 
 _STEP_RAD = np.radians(0.5)  # edge of a direction: wider than the columns of a lidar are apart
 _ACROSS, _UP = 720, 360  # directions about the vertical, and from straight down to straight up
 
+_BLOCK = 8  # directions along the edge of a block
+
 _STOPPED, _UNKNOWN, _SEEN_THROUGH = -1, 0, 1  # what the rays about a place tell of it
 
 
+class RangeImage(NamedTuple):
+    """What a lidar saw in each direction.
+
+    Attributes:
+        nearest: Range of the nearest return [m], inf without one, shape (720, 360).
+        is_about: Whether there is a return in a block of directions or one beside it, (90, 45).
+    """
+
+    nearest: Float
+    is_about: Bool
+
+
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def nearest_returns(origin: Float, points: Float) -> Float:  # pragma: no cover - compiled
-    """Return the range of the nearest return in each direction [m], inf without one, (360, 180).
+def nearest_returns(origin: Float, points: Float) -> RangeImage:  # pragma: no cover - compiled
+    """Return the nearest return in each direction.
 
     Args:
         origin: Position of the lidar [m], shape (3,).
@@ -30,18 +46,31 @@ def nearest_returns(origin: Float, points: Float) -> Float:  # pragma: no cover 
         x, y, z = points[n, 0] - origin[0], points[n, 1] - origin[1], points[n, 2] - origin[2]
         across, up, range_m = _direction(x, y, z)
         nearest[across, up] = min(nearest[across, up], range_m)
-    return nearest
+    return RangeImage(nearest, _blocks_about(nearest))
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _blocks_about(nearest: Float) -> Bool:  # pragma: no cover - compiled
+    blocks_across, blocks_up = _ACROSS // _BLOCK, _UP // _BLOCK
+    is_about = np.zeros((blocks_across, blocks_up), dtype=np.bool_)
+    for i in range(blocks_across):
+        for j in range(blocks_up):
+            across, up = i * _BLOCK, j * _BLOCK
+            if np.isfinite(nearest[across : across + _BLOCK, up : up + _BLOCK].min()):
+                for k in range(-1, 2):
+                    is_about[(i + k) % blocks_across, max(j - 1, 0) : j + 2] = True
+    return is_about
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def passed_on_both_sides(
-    nearest: Float, origin: Float, place: Float, width_m: float, margin_m: float
+    image: RangeImage, origin: Float, place: Float, width_m: float, margin_m: float
 ) -> bool:  # pragma: no cover - compiled
     """Return whether rays at most a width apart pass a place above and below, or left and right,
     and none in the other direction ends before it.
 
     Args:
-        nearest: What `nearest_returns` found.
+        image: What `nearest_returns` found.
         origin: Position of the lidar [m], shape (3,).
         place: The place in the same frame [m], shape (3,).
         width_m: Largest distance of the two rays, at the place [m].
@@ -51,6 +80,10 @@ def passed_on_both_sides(
     across, up, range_m = _direction(x, y, z)
     least_m = range_m + margin_m
     most = int(width_m / (range_m * _STEP_RAD)) + 1
+    # Few directions have returns about them: a lidar looks no more than some degrees up and down.
+    if most <= _BLOCK and not image.is_about[across // _BLOCK, up // _BLOCK]:
+        return False
+    nearest = image.nearest
     upright = _passed(nearest, across, up, 0, 1, most, least_m)
     if upright == _STOPPED:
         return False

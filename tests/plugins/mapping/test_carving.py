@@ -232,3 +232,19 @@ def test_what_comes_and_goes_takes_no_memory_in_the_long_run(
     assert closed_rows <= 2 * known + FEW
     for one, other in zip(grown, closed, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_places_far_from_all_returns_are_told_without_a_look_at_them() -> None:
+    """The blocks of directions leave out no place that a look at the rays themselves would find."""
+    rng = np.random.default_rng(26127121)
+    points = rng.normal(0, 1, (400, 3)) * [1, 1, 0.15] + rng.choice([-6.0, 6.0], (400, 3))
+    image = nearest_returns(np.zeros(3), points)
+    everywhere = image._replace(is_about=np.ones_like(image.is_about))
+    places = rng.uniform(-6, 6, (20_000, 3))
+    found, wanted = (
+        [passed_on_both_sides(one, np.zeros(3), place, 0.25, 0.3) for place in places]
+        for one in (image, everywhere)
+    )
+    assert found == wanted
+    assert 20 < sum(wanted) < len(places)
+    assert image.is_about.mean() < 0.5
