@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from scipy.stats import chi2
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -19,6 +18,7 @@ from executive.estimate.estimator_run import Estimated
 from executive.estimate.material import Material
 from executive.estimate.silence import silences
 from executive.estimate.trajectory import Trajectory
+from executive.geometry import chi_square
 from executive.messages.base_state import BaseState
 
 Indices = NDArray[np.intp]
@@ -197,11 +197,11 @@ def _nees(pair: Scored, has_turn: bool) -> dict[str, Any]:
     degrees = error.shape[1]
     P = pair.covariance[:, 6 - degrees :, 6 - degrees :]
     nees = np.einsum("ni,ni->n", error, np.linalg.solve(P, error[:, :, None])[:, :, 0])
-    inside = nees <= chi2.ppf(_SHARE, degrees)
+    inside = nees <= chi_square.quantile(_SHARE, degrees)
     return {
         "degrees": degrees,
         "inside_95": round(float(inside.mean()), 4),
-        "median_over_expected": round(float(np.median(nees) / chi2.median(degrees)), 3),
+        "median_over_expected": round(float(np.median(nees) / chi_square.median(degrees)), 3),
     }
 
 

@@ -4,9 +4,9 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 from executive.geometry.geodesy import enu_from_geodetic
 from executive.geometry.rotation import skew
 from executive.machine.machine import Machine
@@ -14,7 +14,7 @@ from executive.messages.base_state import BaseState
 from executive.messages.gnss import GnssFix
 
 # Largest squared Mahalanobis distance: once in 10⁹ fixes of the stated covariances.
-_GATE = float(chi2.isf(1e-9, 3))
+_GATE = chi_square.bound(1e-9, 3)
 
 
 class AntennaCheck:

@@ -2,12 +2,12 @@
 
 import gtsam
 import numpy as np
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 from executive.geometry.rotation import skew
 
-_HUBER = float(np.sqrt(chi2.ppf(0.95, 3)))  # one in twenty distances counts linearly
+_HUBER = float(np.sqrt(chi_square.quantile(0.95, 3)))  # one in twenty distances counts linearly
 
 
 def unknown_arm_factor(

@@ -1,9 +1,9 @@
 """Whether refused fixes show that the prediction runs away from them, not they from it."""
 
 import numpy as np
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 
 _ENOUGH, _MOST = 3, 500  # refusals
 # Cosine between refusals that point to one side: of three random directions, one triple in 100.
@@ -26,7 +26,7 @@ class GrowingRefusals:
 
     def __init__(self) -> None:
         self._innovations: list[Float] = []
-        self._bound = float(chi2.isf(_FALSE_ALARM, 3))
+        self._bound = chi_square.bound(_FALSE_ALARM, 3)
 
     def clear(self) -> None:
         """Forget all, since a fix was used."""

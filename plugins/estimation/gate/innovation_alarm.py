@@ -10,9 +10,9 @@ from functools import lru_cache
 import numpy as np
 from executive_plugins.estimation.cholesky import whitened
 from numba import njit, types
-from scipy.stats import chi2
 
 from executive.arrays import Float, Int
+from executive.geometry import chi_square
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 WINDOW = 6  # innovations; means of the newest 1 to 6 are tested
@@ -132,7 +132,7 @@ def alert(
 
 def usual_size(degrees: int) -> float:
     """Return the squared length in standard deviations below which an innovation is usual."""
-    return float(chi2.ppf(_USUAL, degrees))
+    return chi_square.quantile(_USUAL, degrees)
 
 
 def binary(period_s: float) -> float:
@@ -143,4 +143,4 @@ def binary(period_s: float) -> float:
 @lru_cache(maxsize=64)
 def alarm_limit(degrees: int, period_s: float) -> float:
     """Return the bound on a squared mean that is exceeded by chance once in `FALSE_ALARM_S`."""
-    return float(chi2.isf(period_s / (FALSE_ALARM_S * WINDOW), degrees))
+    return chi_square.bound(period_s / (FALSE_ALARM_S * WINDOW), degrees)

@@ -8,9 +8,9 @@ import numpy as np
 from executive_plugins.estimation.cholesky import whitened
 from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
 from numba import njit, types
-from scipy.stats import chi2
 
 from executive.arrays import Float, Int
+from executive.geometry import chi_square
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 # Numbers of innovations over which a lean is looked for. The mean of n of them is known √n times
@@ -180,4 +180,4 @@ def _share(count: int) -> float:
 @lru_cache(maxsize=64)
 def bias_limit(degrees: int, period_s: float) -> float:
     """Return the bound on a line's squared size that chance exceeds once in `FALSE_ALARM_S`."""
-    return float(chi2.isf(period_s / (FALSE_ALARM_S * len(_COUNTS)), _ORDER * degrees))
+    return chi_square.bound(period_s / (FALSE_ALARM_S * len(_COUNTS)), _ORDER * degrees)

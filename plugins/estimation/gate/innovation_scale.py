@@ -3,9 +3,9 @@
 import numpy as np
 from executive_plugins.estimation.cholesky import whiten
 from numba import njit, types
-from scipy.stats import chi2
 
 from executive.arrays import Float, Int
+from executive.geometry import chi_square
 
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
@@ -60,7 +60,7 @@ def know_scale(factors: Float, counts: Int, factor: float) -> None:
 
 def median_size(degrees: int) -> float:
     """Return the median of an innovation's squared length in standard deviations."""
-    return float(chi2.median(degrees))
+    return chi_square.median(degrees)
 
 
 @njit(types.float64(types.float64[::1], types.int64[::1]), cache=True)  # type: ignore[untyped-decorator]

@@ -4,7 +4,8 @@ from functools import lru_cache
 from typing import Protocol
 
 from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary, usual_size
-from scipy.stats import chi2
+
+from executive.geometry import chi_square
 
 _ORDINARY = usual_size(3)
 COMPARED = 9  # errors of rotation, velocity and position
@@ -119,7 +120,7 @@ class OdometryTrial:
 @lru_cache(maxsize=64)
 def separation_limit(period_s: float) -> float:
     """Return the bound on a squared separation that chance exceeds once in `FALSE_ALARM_S`."""
-    return float(chi2.isf(period_s / FALSE_ALARM_S, COMPARED))
+    return chi_square.bound(period_s / FALSE_ALARM_S, COMPARED)
 
 
 def drift2(steps: float, drift_m: float) -> float:

@@ -11,9 +11,9 @@ from functools import lru_cache
 import numpy as np
 from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S
 from numba import njit
-from scipy.stats import chi2
 
 from executive.arrays import Float, Int
+from executive.geometry import chi_square
 
 # Pairs of innovations over which the scatter is looked at; that of more pairs is known better.
 WINDOWS = (3, 6, 12)
@@ -32,13 +32,13 @@ def quiet_limits(degrees: int, period_s: float) -> Float:
         period_s: Usual time between two innovations [s].
     """
     chance = 2 * period_s / (FALSE_ALARM_S * len(WINDOWS))
-    return np.array([float(chi2.ppf(chance, degrees * pairs)) for pairs in WINDOWS])
+    return np.array([chi_square.quantile(chance, degrees * pairs) for pairs in WINDOWS])
 
 
 @lru_cache(maxsize=8)
 def usual_sums(degrees: int) -> Float:
     """Return the sum of each window that innovations which scatter as declared exceed by 95 %."""
-    return np.array([float(chi2.ppf(_UPPER, degrees * pairs)) for pairs in WINDOWS])
+    return np.array([chi_square.quantile(_UPPER, degrees * pairs) for pairs in WINDOWS])
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

@@ -10,9 +10,9 @@ from executive_plugins.estimation.inertial.state import (
     VELOCITY,
     InertialState,
 )
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 from executive.geometry.rotation import skew
 
 _UNLIKELY = 0.05  # probability of an innovation that is smaller than the one that was seen
@@ -63,7 +63,7 @@ def explaining_factor(residual: Float, S: Float, more: Float, largest: float) ->
     squares = (axes.T @ np.linalg.solve(L, residual)) ** 2
     if squares.sum() <= len(residual) or largest <= 0.0:
         return 0.0
-    low, high, least = 0.0, largest, float(chi2.ppf(_UNLIKELY, len(residual)))
+    low, high, least = 0.0, largest, chi_square.quantile(_UNLIKELY, len(residual))
     for _ in range(60):
         middle = 0.5 * (low + high)
         distance2 = float((squares / (1.0 + middle * np.maximum(shares, 0.0))).sum())

@@ -8,9 +8,9 @@ from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
 from executive_plugins.estimation.inertial.state import VELOCITY
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 
 _REMEMBERED_S = 20.0  # six fixes of the slowest receivers
 
@@ -80,4 +80,4 @@ def motion_limit(period_s: float) -> float:
 
     The velocity is that in deviations of its three components.
     """
-    return float(chi2.isf(period_s / FALSE_ALARM_S, 3))
+    return chi_square.bound(period_s / FALSE_ALARM_S, 3)

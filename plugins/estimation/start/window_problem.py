@@ -22,9 +22,9 @@ from executive_plugins.estimation.inertial.state import (
 )
 from executive_plugins.estimation.start.window_solution import levelled
 from scipy.linalg import solve_triangular
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 from executive.geometry.rotation import from_rpy
 
 CLOCK = gtsam.symbol("d", 0)  # key of the error of the receiver's clock, as far as it is unknown
@@ -215,6 +215,6 @@ def misfit(squares: Float, free: float, unknowns: int) -> float:
         unknowns: Number of unknowns that fixes may determine. Fewer residuals than that tell only
             of a misfit that chance does not explain.
     """
-    if free <= 1.0 or (free < unknowns and squares.sum() <= chi2.isf(_BY_CHANCE, free)):
+    if free <= 1.0 or (free < unknowns and squares.sum() <= chi_square.bound(_BY_CHANCE, free)):
         return 1.0
-    return float(np.median(squares) / chi2.median(3)) * 3 * len(squares) / free
+    return float(np.median(squares) / chi_square.median(3)) * 3 * len(squares) / free
