@@ -10,8 +10,8 @@ PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3; do \
 	$$p -c $(IS_NEW_ENOUGH) 2>/dev/null && { echo $$p; break; }; done)
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
-# The heavy libraries start a thread for each core, and then wait for one another.
-export OMP_NUM_THREADS ?= 2
+# The heavy libraries start a thread for each core, which spin between their calls and wait for one another.
+export OMP_NUM_THREADS ?= 1
 
 .PHONY: mission test docs test-fast benchmark check lint setup clean
 .DEFAULT_GOAL := mission

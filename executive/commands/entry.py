@@ -20,6 +20,9 @@ def main() -> None:
     if words and words[0] in _SUPERVISED and not is_still:
         from executive.supervision.supervisor import supervised
 
+        # A mission computes in one loop. More threads of the linear algebra library would spin
+        # between its calls; a campaign's runs have one, too.
+        os.environ.setdefault("OMP_NUM_THREADS", "1")
         sys.exit(supervised(_status, lambda text: print(text, file=sys.stderr, flush=True)))
     sys.exit(_status_of_a_tool())
 

@@ -59,6 +59,27 @@ def test_a_verb_that_moves_a_machine_is_supervised(
 
 
 @pytest.mark.parametrize(
+    ("words", "before", "after"),
+    [
+        (["run", "relocate"], None, "1"),
+        (["run", "relocate"], "4", "4"),  # who asks for more gets them
+        (["check", "relocate"], None, None),
+    ],
+)
+def test_a_mission_computes_on_one_thread_unless_it_is_told_otherwise(
+    done: list[Any], monkeypatch: pytest.MonkeyPatch, words: list[str],
+    before: str | None, after: str | None,
+) -> None:  # fmt: skip
+    environment = {} if before is None else {"OMP_NUM_THREADS": before}
+    monkeypatch.setattr(os, "environ", environment)
+    monkeypatch.setattr(sys, "argv", ["executive", *words])
+    ends(monkeypatch, None)
+    with pytest.raises(SystemExit):
+        entry.main()
+    assert os.environ.get("OMP_NUM_THREADS") == after
+
+
+@pytest.mark.parametrize(
     ("error", "status", "told"),
     [
         (None, 0, ""),
