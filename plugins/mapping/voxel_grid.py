@@ -14,13 +14,20 @@ _HALF = 1 << (BITS - 1)
 _LOAD = 0.6  # above it, collisions become too frequent
 _FULL = 0.8  # share of that load up to which a table is used again: it would soon be full
 _FIRST_CAPACITY = 1 << 18
+_MIX = np.uint64(0x9E3779B97F4A7C15)  # 2⁶⁴ over the golden ratio, odd
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _slot(keys: Int, key: np.int64) -> np.int64:  # pragma: no cover - compiled
-    """Return the row of a key, or the free row for it: open addressing, linear probing."""
+    """Return the row of a key, or the free row for it: open addressing, linear probing.
+
+    The bits of a product depend on the lower ones of its factors alone, so that the upper half is
+    folded onto the lower one between two products: without, keys of one y and z share a row.
+    """
     mask = len(keys) - 1
-    row = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(20)) & mask
+    mixed = np.uint64(key) * _MIX
+    mixed = (mixed ^ (mixed >> np.uint64(32))) * _MIX
+    row = np.int64(mixed >> np.uint64(32)) & mask
     while keys[row] != FREE and keys[row] != key:
         row = (row + 1) & mask
     return row
