@@ -99,7 +99,10 @@ def _slot(key: int, keys: Int, table: NDArray[np.int32], steps: Int) -> int:
     """Return the place of a key in the table, or the empty one where it belongs."""
     if steps[1] != 1 << _BITS:
         return key
-    slot = ((key * _MIX) >> 24) & (len(table) - 1)
+    # The bits of a product depend on the lower ones of its factors alone: the upper half is folded
+    # onto the lower one between two products, or voxels of one y and z would share a place.
+    mixed = key * _MIX
+    slot = (((mixed ^ (mixed >> 32)) * _MIX) >> 24) & (len(table) - 1)
     while table[slot] >= 0 and keys[table[slot]] != key:
         slot = (slot + 1) & (len(table) - 1)
     return slot

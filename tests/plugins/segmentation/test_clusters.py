@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.segmentation.clusters import _slot
 from executive_plugins.segmentation.clusters import connected_clusters as clusters_within
 from scipy.cluster.hierarchy import fcluster, linkage
 
@@ -61,3 +62,12 @@ def test_a_wide_box_gives_the_clusters_of_a_small_one() -> None:
     assert far[-1] == far[:-1].max() + 1
     np.testing.assert_array_equal(shifted[:-1], near)
     assert 1 < len(partition(near)) < 600
+
+
+def test_voxels_in_a_line_along_any_axis_have_places_of_their_own_in_the_table() -> None:
+    """A hash that leaves out an axis sends all voxels along it to one place."""
+    steps, table = np.array([1 << 42, 1 << 21, 1]), np.full(1 << 16, -1, dtype=np.int32)
+    keys = np.empty(0, dtype=np.int64)
+    for axis in range(3):
+        line = 100 * steps[0] + 200 * steps[1] + 10 + np.arange(600) * steps[axis]
+        assert len({_slot(key, keys, table, steps) for key in line}) > 580
