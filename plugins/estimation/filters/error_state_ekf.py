@@ -34,6 +34,7 @@ class ErrorStateEkf(GnssImuFilter):
     """
 
     Settings = ErrorStateEkfSettings
+    _can_return = False  # two filters, each of which would have to return
 
     def __init__(self, settings: ErrorStateEkfSettings, machine: Rig) -> None:
         super().__init__(settings, machine)

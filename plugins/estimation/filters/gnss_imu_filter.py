@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
+from executive_plugins.estimation.filters.kept_state import KeptState
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.filters.status_account import (
     FALLBACK,
@@ -61,6 +62,7 @@ class GnssImuFilter(CabinEstimator):
     """
 
     Settings = GnssImuSettings
+    _can_return = True  # to its state of before a doubt
 
     def __init__(self, settings: GnssImuSettings, machine: Rig) -> None:
         super().__init__(settings, machine)
@@ -88,6 +90,7 @@ class GnssImuFilter(CabinEstimator):
         self._suspected_s = -np.inf  # when something last spoke against the state
         self._moving_s = -np.inf
         self._clock = HeldClock(self._settings.reacquire_after_s)
+        self._kept = KeptState(self._propagator, self._settings.reacquire_after_s, _TRUSTED)
         self._frozen = FrozenSamples()
         self._refusals = GrowingRefusals()
 
@@ -100,6 +103,7 @@ class GnssImuFilter(CabinEstimator):
         # What another filter knew of the clock would contradict the state of this one.
         self._clock = HeldClock(self._settings.reacquire_after_s)
         self._used_fix_s = found.state.stamp_s
+        self._kept.clear()
 
     def _new_trailing(
         self, kalman: ErrorStateFilter, rows: Block
@@ -108,7 +112,7 @@ class GnssImuFilter(CabinEstimator):
         settings = self._settings
         if kalman.has_clock or type(kalman) is not ErrorStateFilter:
             return TrailingFilter(kalman, settings.lag_s, self._propagator)
-        queued = QueuedFilter(kalman, settings.lag_s, self._propagator, rows, self._count_used)
+        queued = QueuedFilter(kalman, settings.lag_s, self._propagator, rows, self._count_sound)
         gate = StandstillGate(self._T_imu_cabin, settings.standing, settings.gate, _DOUBT_S)
         queued.expect_standing(gate)
         return queued
@@ -131,6 +135,7 @@ class GnssImuFilter(CabinEstimator):
         if frozen_s > since_last_s:
             self._propagator.lengthen(frozen_s)
         self._trailing.add_sample(sample.stamp_s)
+        self._kept.follow(self._trailing.kalman.stamp_s, self._suspected_s)
         if self._doubt is not None:
             rate, force = sample.angular_velocity_rad_s, sample.specific_force_m_s2
             unknown_s = max(since_last_s, frozen_s)
@@ -159,6 +164,7 @@ class GnssImuFilter(CabinEstimator):
             partial(self._correct_by_fix, kalman, position, late_s),
             partial(self._conclude, kalman, position),
         )
+        self._kept.add_fix(position, self._innovations[antenna].known_scale, late_s)
         place = list(self._innovations).index(antenna)
         if not trailing.add_fix(correction, position, place, late_s):
             self._stamp_gate.refuse(antenna, "too late")
@@ -185,10 +191,14 @@ class GnssImuFilter(CabinEstimator):
         Returns:
             Whether it was used.
         """
-        return self._conclude(kalman, fix, self._judge(kalman, fix, late_s))
+        return self._conclude(kalman, fix, self._judge(kalman, fix, late_s), late_s)
 
-    def _conclude(self, kalman: ErrorStateFilter, fix: Fix, said: int) -> bool:
+    def _conclude(self, kalman: ErrorStateFilter, fix: Fix, said: int, late_s: float = 0.0) -> bool:
         """Do what follows from what `judged_fix` says of a fix; return whether it is used."""
+        if not said & DOUBTED:
+            self._kept.agree_with_filter()
+        elif self._returns(kalman, fix, late_s):
+            return True
         if (
             self._is_used(kalman, fix, said)
             or kalman.correct_by_compared(self._settings.gate)
@@ -211,6 +221,30 @@ class GnssImuFilter(CabinEstimator):
             kalman.stamp_s, f"two fixes were refused, that of {fix.antenna} by {off_m:.2f} m"
         )
         return False
+
+    def _returns(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
+        """Return to the state of before a doubt if fixes agree with that, and not with the newest.
+
+        Returns:
+            Whether the filter did; the fix was used then.
+        """
+        trailing, scale = self._trailing, self._innovations[fix.antenna].known_scale
+        if trailing is None or trailing.kalman is not kalman or not self._can_return:
+            return False
+        if not self._kept.take_over(trailing, fix, scale, late_s):
+            return False
+        for record in self._innovations.values():
+            record.renew()
+        self._used_fix_s = kalman.stamp_s
+        self._refusals.clear()
+        self._begin_trust()
+        self._account.go_back()
+        return True
+
+    def _count_sound(self, count: int, stamp_s: float) -> None:
+        """Do what `_count_used` does, for fixes that are in no doubt."""
+        self._kept.agree_with_filter()
+        self._count_used(count, stamp_s)
 
     def _count_used(self, count: int, stamp_s: float) -> None:
         """Take that some fixes in a row were used, the last of them at a time [s]."""

@@ -34,6 +34,10 @@ class StatusAccount:
         """Take that the filter began anew from the fixes that it had refused."""
         self._trust = "begun anew from the fixes that were refused, which agree with one another"
 
+    def go_back(self) -> None:
+        """Take that the filter went back to what it was before fixes were in doubt."""
+        self._trust = "went back to the state of before the doubt, with which fixes agree again"
+
     def take(self, status: str, stamp_s: float, silent_s: float) -> None:
         """Take the status of now.
 

@@ -107,6 +107,20 @@ class InnovationRecord:
         row["alarm_limit"], row["bias_limit"] = alarm_limit(3, usual_s), bias_limit(3, usual_s)
         row["quiet_limits"] = quiet_limits(3, usual_s)
 
+    def renew(self) -> None:
+        """Forget all innovations: they were of another state. The scale of before is kept."""
+        row = self.block[0]
+        for counts in ("alarm_counts", "bias_counts", "pair_counts"):
+            row[counts] = 0
+        row["slow_share"] = 0.0
+        know_scale(row["factors"], row["factor_counts"], self.known_scale)
+        row["middle"] = middle_factor(row["factors"], row["factor_counts"])
+
+    @property
+    def known_scale(self) -> float:
+        """Factor on the declared variance as it was known before an alarm."""
+        return float(self.block[0]["calm"][0])
+
     def clear_bias(self) -> None:
         """Forget by what innovations lean: it is part of the prediction now."""
         self.block["bias_counts"] = 0

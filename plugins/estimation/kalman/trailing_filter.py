@@ -80,6 +80,11 @@ class TrailingFilter(Generic[K]):
         self._anchored_s = self._begin_s
         propagator.take(kalman.packed())
 
+    @property
+    def first(self) -> int:
+        """Number of the first inertial sample that is newer than the filter."""
+        return self._first
+
     def add(self, correction: Correction, is_awaited: bool = True) -> bool:
         """Add a correction; return whether it is in time.
 

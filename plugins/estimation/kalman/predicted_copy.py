@@ -1,0 +1,180 @@
+"""A copy of a filter of before a doubt, which inertial samples alone have predicted since."""
+
+from collections import deque
+from dataclasses import dataclass
+from functools import lru_cache
+
+from executive_plugins.estimation.cholesky import squared_distance
+from executive_plugins.estimation.direct_call import direct
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.state import VELOCITY
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.kalman.packed_measurements import compare, correct_by_compared
+from executive_plugins.estimation.kalman.packed_prediction import predict_until
+from scipy.stats import chi2
+
+from executive.arrays import Float
+
+_LEFT_OUT = 0.01  # probability of a sound fix that counts as one that disagrees
+_CHANCE = 1e-4  # probability of a step between two fixes without one
+_predict_until, _compare = direct(predict_until), direct(compare)
+_correct_by_compared = direct(correct_by_compared)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """The innovation of a fix: its time [s], value (3,), and the noise in it (3, 3)."""
+
+    stamp_s: float
+    innovation: Float
+    noise: Float
+
+
+class PredictedCopy:
+    """Where a filter would be if no fix had been used since they began to be in doubt.
+
+    Fixes that are wrong draw a filter along, or make it open its biases to explain them; when they
+    are sound again, it refuses those, and takes seconds to return. The copy knows as much as
+    inertial samples alone tell. It refutes wrong fixes and agrees with the sound ones after them:
+    several in a row, each of which corrects a trial state that the next one is held against.
+
+    The copy becomes uncertain with time, and agrees with anything in the end. Agreement counts only
+    if fixes have come back: the newest one that was refuted would be refuted now as well, or the
+    fixes have moved by a step that the body has not made.
+
+    Attributes:
+        since_s: Time of the filter at which it was made [s].
+    """
+
+    def __init__(self, kalman: ErrorStateFilter, first: int) -> None:
+        """Copy a filter that the fix in doubt has not corrected.
+
+        Args:
+            kalman: The filter.
+            first: Number of the first inertial sample that is newer than its state.
+        """
+        self.since_s = kalman.stamp_s
+        self._block: Block = kalman.block.copy()
+        self._trial: Block | None = None
+        self._first, self._agreed = first, 0
+        self._waiting: deque[tuple[float, Fix, float, float]] = deque()
+        self._seen: dict[str, _Seen] = {}  # the newest of each antenna
+        self._refuted: Float | None = None  # innovation of the newest fix that was refuted
+        self._is_back = False  # whether fixes agree again after one that was refuted
+
+    @property
+    def stamp_s(self) -> float:
+        """Time of its state [s]."""
+        return float(self._block["sample"]["stamp_s"].item())
+
+    def add_fix(self, fix: Fix, scale: float, late_s: float) -> None:
+        """Add a fix that it is held against when it is predicted to its time.
+
+        Args:
+            fix: The fix.
+            scale: Factor on its variance as it was known before the doubt.
+            late_s: By how much its stamp is thought to be late [s].
+        """
+        self._waiting.append((fix.stamp_s - late_s, fix, scale, late_s))
+
+    def predict_until(self, ring: Block, end: int, until_s: float) -> None:
+        """Propagate through samples up to a time, and look at the fixes on the way.
+
+        Args:
+            ring, end: See `packed_prediction.predict_until`.
+            until_s: The time [s].
+        """
+        while self._waiting and self._waiting[0][0] <= until_s:
+            stamp_s, fix, scale, late_s = self._waiting.popleft()
+            if stamp_s >= self.stamp_s:
+                self._propagate(ring, end, stamp_s)
+                self._look_at(fix, scale, late_s)
+        self._propagate(ring, end, until_s)
+
+    def _propagate(self, ring: Block, end: int, until_s: float) -> None:
+        first = self._first
+        self._first = int(_predict_until(self._block, ring, first, end, until_s))
+        if self._trial is not None:
+            _predict_until(self._trial, ring, first, end, until_s)
+
+    def _look_at(self, fix: Fix, scale: float, late_s: float) -> None:
+        """Hold the copy against a fix."""
+        distance2 = _distance2(self._block, fix, scale, late_s)
+        seen = _Seen(self.stamp_s, *_innovation(self._block))
+        before, self._seen[fix.antenna] = self._seen.get(fix.antenna), seen
+        if distance2 > agreement_limit():
+            self._refuted, self._is_back = seen.innovation, False
+        elif self._refuted is not None and not self._is_back:
+            refuted2 = squared_distance(_covariance(self._block), self._refuted)
+            self._is_back = refuted2 > agreement_limit() or self._is_step(before, seen)
+
+    def _is_step(self, before: _Seen | None, now: _Seen) -> bool:
+        """Return whether fixes have moved by what neither noise nor the copy's drift explains."""
+        if before is None:
+            return False
+        row = self._block[0]
+        drift = (now.stamp_s - before.stamp_s) * row["R"]
+        covariance = before.noise + now.noise + drift @ row["P"][VELOCITY, VELOCITY] @ drift.T
+        return squared_distance(covariance, now.innovation - before.innovation) > step_limit()
+
+    def take(self, fix: Fix, scale: float, late_s: float) -> int:
+        """Compare with a fix that contradicts the filter, at the time of both; see `add_fix`.
+
+        Returns:
+            The number of fixes in a row, this one included, that agree with the copy.
+        """
+        trial = self._trial
+        if trial is not None and _distance2(trial, fix, scale, late_s) > agreement_limit():
+            self.disagree()
+        if self._trial is None:
+            distance2 = _distance2(self._block, fix, scale, late_s)
+            if distance2 > agreement_limit() or not self._is_back:
+                return 0
+            self._trial = self._block.copy()
+            self._trial["holds_clock"] = 1
+        _correct_by_compared(self._trial, float("inf"))
+        self._agreed += 1
+        return self._agreed
+
+    def disagree(self) -> None:
+        """Forget the fixes that agree: the newest one is as good with the filter."""
+        self._trial, self._agreed = None, 0
+
+    def replace(self, kalman: ErrorStateFilter) -> None:
+        """Let a filter be as the copy is with the fixes that agree with it."""
+        if self._trial is not None:
+            kalman.block[:] = self._trial
+            kalman.forget_object()
+
+
+def _distance2(block: Block, fix: Fix, scale: float, late_s: float) -> float:
+    """Return the squared distance of a fix from a state; see `PredictedCopy.add_fix`."""
+    _compare(block, fix.arm_imu, fix.p_map_antenna, fix.covariance, late_s)
+    block["noise"][0, :9] *= scale
+    return squared_distance(_covariance(block), block["residual"][0, :3])
+
+
+def _innovation(block: Block) -> tuple[Float, Float]:
+    """Return the innovation that was compared last, shape (3,), and its noise, shape (3, 3)."""
+    row = block[0]
+    return row["residual"][:3].copy(), row["noise"][:9].reshape(3, 3).copy()
+
+
+def _covariance(block: Block) -> Float:
+    """Return the covariance of the innovation that was compared last, shape (3, 3)."""
+    row = block[0]
+    S: Float = (row["predicted"][:9] + row["noise"][:9]).reshape(3, 3)
+    return S
+
+
+@lru_cache(maxsize=1)
+def agreement_limit() -> float:
+    """Return the squared distance that 99 of 100 sound fixes are within."""
+    return float(chi2.isf(_LEFT_OUT, 3))
+
+
+@lru_cache(maxsize=1)
+def step_limit() -> float:
+    """Return the squared size beyond which a step between two fixes is none of chance."""
+    return float(chi2.isf(_CHANCE, 3))

@@ -1,0 +1,76 @@
+"""A copy of before a doubt agrees with fixes that have come back, and with no others."""
+
+import numpy as np
+import pytest
+from executive_plugins.estimation.gate.measurements import Fix
+from executive_plugins.estimation.inertial.noise import InertialNoise
+from executive_plugins.estimation.inertial.state import DIMENSION, Inertial, InertialState
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.predicted_copy import PredictedCopy
+from executive_plugins.estimation.live.layout import SAMPLE
+
+Z, UP = np.zeros(3), np.array([0.0, 0.0, 9.81])
+NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81, 0.01)
+FIX_STD_M, COUNT = 0.02, 2000  # samples of 0.01 s
+RING = np.zeros(COUNT, SAMPLE)
+for k in range(COUNT):
+    RING[k] = (k + 1) / 100, 0.01, Z, UP
+
+
+def body(velocity_std_m_s: float) -> ErrorStateFilter:
+    """Return a filter of a body at rest whose velocity is known so well."""
+    P = np.diag(np.repeat([1e-8, velocity_std_m_s**2, FIX_STD_M**2 / 10, 1e-12, 1e-12], 3))
+    assert P.shape == (DIMENSION, DIMENSION)
+    state = InertialState(Inertial(0.0, Z, UP, 0.01), np.eye(3), Z, Z, Z, Z)
+    return ErrorStateFilter(state, P, NOISE)
+
+
+def agreed(copy: PredictedCopy, at_s: float, x_m: float, scale: float = 1.0) -> int:
+    """Hold a fix at x against the copy; return how many agree."""
+    fix = Fix(at_s, "antenna", Z, np.array([x_m, 0.0, 0.0]), FIX_STD_M**2 * np.eye(3))
+    copy.add_fix(fix, scale, 0.0)
+    copy.predict_until(RING, COUNT, at_s)
+    return copy.take(fix, scale, 0.0)
+
+
+def test_fixes_that_come_back_agree_one_by_one_and_correct_the_state() -> None:
+    kalman = body(0.01)
+    copy = PredictedCopy(kalman, 0)
+    assert [agreed(copy, t, 1.0) for t in (0.1, 0.2, 0.3)] == [0, 0, 0]
+    assert [agreed(copy, t, 0.01) for t in (0.4, 0.5, 0.6)] == [1, 2, 3]
+    copy.replace(kalman)
+    assert kalman.stamp_s == pytest.approx(0.6)
+    assert 0.0 < kalman.state.p_map_imu[0] < 0.02
+    assert np.sqrt(kalman.covariance[6, 6]) < FIX_STD_M
+
+
+def test_fixes_that_were_never_refuted_are_no_reason_to_return() -> None:
+    copy = PredictedCopy(body(0.01), 0)
+    assert [agreed(copy, t, 0.01) for t in (0.1, 0.2, 0.3, 0.4)] == [0, 0, 0, 0]
+
+
+def test_a_copy_that_has_become_uncertain_does_not_agree_with_what_it_refuted() -> None:
+    """After two seconds its velocity explains the jump; only a step back is evidence then."""
+    copy = PredictedCopy(body(1.0), 0)
+    assert agreed(copy, 0.05, 1.0) == 0
+    assert [agreed(copy, t, 1.0) for t in (2.0, 2.05, 2.1)] == [0, 0, 0]
+    assert [agreed(copy, t, 0.0) for t in (2.15, 2.2, 2.25)] == [1, 2, 3]
+
+
+def test_noisy_fixes_agree_with_the_copy_but_not_with_one_another() -> None:
+    copy = PredictedCopy(body(1.0), 0)
+    assert agreed(copy, 0.05, 2.0) == 0
+    counts = [agreed(copy, 1.0 + 0.05 * k, 0.4 * (-1) ** k) for k in range(12)]
+    assert max(counts) == 1
+    # The same scatter is nothing unusual for a sensor that was known to err by so much.
+    copy = PredictedCopy(body(1.0), 0)
+    assert agreed(copy, 0.05, 9.0, 400.0) == 0
+    assert max(agreed(copy, 1.0 + 0.05 * k, 0.4 * (-1) ** k, 400.0) for k in range(12)) == 12
+
+
+def test_a_fix_that_agrees_with_the_filter_begins_the_count_again() -> None:
+    copy = PredictedCopy(body(0.01), 0)
+    agreed(copy, 0.1, 1.0)
+    assert [agreed(copy, t, 0.0) for t in (0.2, 0.3)] == [1, 2]
+    copy.disagree()
+    assert agreed(copy, 0.4, 0.0) == 1
