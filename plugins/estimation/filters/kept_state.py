@@ -67,7 +67,7 @@ class KeptState:
             copy = self._copy = PredictedCopy(kalman, trailing.first)
             copy.add_fix(fix, scale, late_s)
         copy.predict_until(propagator.ring, propagator.samples, kalman.stamp_s)
-        if copy.take(fix, scale, late_s) < self._agreeing:
+        if copy.take(kalman, fix, scale, late_s) < self._agreeing:
             return False
         copy.replace(kalman)
         self._copy = None

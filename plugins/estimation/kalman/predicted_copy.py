@@ -4,8 +4,10 @@ from collections import deque
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.direct_call import direct
+from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.state import VELOCITY
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
@@ -17,7 +19,9 @@ from scipy.stats import chi2
 from executive.arrays import Float
 
 _LEFT_OUT = 0.01  # probability of a sound fix that counts as one that disagrees
-_CHANCE = 1e-4  # probability of a step between two fixes without one
+# Probability of a sound fix that is refuted by far. It is a hundredth of the one above, so that no
+# noise makes a fix agree after one that was refuted at the limit.
+_FAR = 1e-4
 _predict_until, _compare = direct(predict_until), direct(compare)
 _correct_by_compared = direct(correct_by_compared)
 
@@ -39,8 +43,11 @@ class PredictedCopy:
     inertial samples alone tell. It refutes wrong fixes and agrees with the sound ones after them:
     several in a row, each of which corrects a trial state that the next one is held against.
 
+    They must be more likely by the copy than by the filter, whose state is known better if it is
+    right.
+
     The copy becomes uncertain with time, and agrees with anything in the end. Agreement counts only
-    if fixes have come back: the newest one that was refuted would be refuted now as well, or the
+    if fixes have come back: the newest one that was refuted would be refuted now by far, or the
     fixes have moved by a step that the body has not made.
 
     Attributes:
@@ -58,6 +65,7 @@ class PredictedCopy:
         self._block: Block = kalman.block.copy()
         self._trial: Block | None = None
         self._first, self._agreed = first, 0
+        self._gain = 0.0  # of the fixes that agree: by how much more likely the copy makes them
         self._waiting: deque[tuple[float, Fix, float, float]] = deque()
         self._seen: dict[str, _Seen] = {}  # the newest of each antenna
         self._refuted: Float | None = None  # innovation of the newest fix that was refuted
@@ -107,22 +115,28 @@ class PredictedCopy:
             self._refuted, self._is_back = seen.innovation, False
         elif self._refuted is not None and not self._is_back:
             refuted2 = squared_distance(_covariance(self._block), self._refuted)
-            self._is_back = refuted2 > agreement_limit() or self._is_step(before, seen)
+            self._is_back = refuted2 > far_limit() or self._is_step(before, seen)
 
     def _is_step(self, before: _Seen | None, now: _Seen) -> bool:
         """Return whether fixes have moved by what neither noise nor the copy's drift explains."""
         if before is None:
             return False
-        row = self._block[0]
-        drift = (now.stamp_s - before.stamp_s) * row["R"]
+        row, since_s = self._block[0], now.stamp_s - before.stamp_s
+        drift = since_s * row["R"]
         covariance = before.noise + now.noise + drift @ row["P"][VELOCITY, VELOCITY] @ drift.T
-        return squared_distance(covariance, now.innovation - before.innovation) > step_limit()
+        step2 = squared_distance(covariance, now.innovation - before.innovation)
+        return step2 > step_limit(binary(since_s))
 
-    def take(self, fix: Fix, scale: float, late_s: float) -> int:
-        """Compare with a fix that contradicts the filter, at the time of both; see `add_fix`.
+    def take(self, kalman: ErrorStateFilter, fix: Fix, scale: float, late_s: float) -> int:
+        """Compare with a fix that is in doubt for the filter, at the time of both.
+
+        Args:
+            kalman: The filter, which was compared with the fix and was not corrected by it.
+            fix, scale, late_s: See `add_fix`.
 
         Returns:
-            The number of fixes in a row, this one included, that agree with the copy.
+            The number of fixes in a row, this one included, that agree with the copy; 0 while they
+            are more likely by the filter.
         """
         trial = self._trial
         if trial is not None and _distance2(trial, fix, scale, late_s) > agreement_limit():
@@ -133,13 +147,15 @@ class PredictedCopy:
                 return 0
             self._trial = self._block.copy()
             self._trial["holds_clock"] = 1
+        noise = self._trial["noise"][0, :9]
+        self._gain += _log_likelihood(self._trial, noise) - _log_likelihood(kalman.block, noise)
         _correct_by_compared(self._trial, float("inf"))
         self._agreed += 1
-        return self._agreed
+        return self._agreed if self._gain > 0.0 else 0
 
     def disagree(self) -> None:
         """Forget the fixes that agree: the newest one is as good with the filter."""
-        self._trial, self._agreed = None, 0
+        self._trial, self._agreed, self._gain = None, 0, 0.0
 
     def replace(self, kalman: ErrorStateFilter) -> None:
         """Let a filter be as the copy is with the fixes that agree with it."""
@@ -153,6 +169,18 @@ def _distance2(block: Block, fix: Fix, scale: float, late_s: float) -> float:
     _compare(block, fix.arm_imu, fix.p_map_antenna, fix.covariance, late_s)
     block["noise"][0, :9] *= scale
     return squared_distance(_covariance(block), block["residual"][0, :3])
+
+
+def _log_likelihood(block: Block, noise: Float) -> float:
+    """Return the logarithm of an innovation's density, but for a constant.
+
+    Args:
+        block: What was compared with the fix.
+        noise: Covariance of the fix [m²], shape (9,).
+    """
+    row = block[0]
+    S = (row["predicted"][:9] + noise).reshape(3, 3)
+    return -0.5 * (squared_distance(S, row["residual"][:3]) + float(np.linalg.slogdet(S)[1]))
 
 
 def _innovation(block: Block) -> tuple[Float, Float]:
@@ -175,6 +203,12 @@ def agreement_limit() -> float:
 
 
 @lru_cache(maxsize=1)
-def step_limit() -> float:
-    """Return the squared size beyond which a step between two fixes is none of chance."""
-    return float(chi2.isf(_CHANCE, 3))
+def far_limit() -> float:
+    """Return the squared distance beyond which a fix is refuted by far, not by its noise."""
+    return float(chi2.isf(_FAR, 3))
+
+
+@lru_cache(maxsize=64)
+def step_limit(period_s: float) -> float:
+    """Return the squared size of a step between two fixes that chance exceeds once an hour."""
+    return float(chi2.isf(period_s / FALSE_ALARM_S, 3))

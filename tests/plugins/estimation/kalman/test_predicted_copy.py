@@ -6,6 +6,7 @@ from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import DIMENSION, Inertial, InertialState
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.fix_residual import fix_residual
 from executive_plugins.estimation.kalman.predicted_copy import PredictedCopy
 from executive_plugins.estimation.live.layout import SAMPLE
 
@@ -17,20 +18,30 @@ for k in range(COUNT):
     RING[k] = (k + 1) / 100, 0.01, Z, UP
 
 
-def body(velocity_std_m_s: float) -> ErrorStateFilter:
-    """Return a filter of a body at rest whose velocity is known so well."""
+def body(velocity_std_m_s: float, x_m: float = 0.0) -> ErrorStateFilter:
+    """Return a filter of a body at rest at x whose velocity is known so well."""
     P = np.diag(np.repeat([1e-8, velocity_std_m_s**2, FIX_STD_M**2 / 10, 1e-12, 1e-12], 3))
     assert P.shape == (DIMENSION, DIMENSION)
-    state = InertialState(Inertial(0.0, Z, UP, 0.01), np.eye(3), Z, Z, Z, Z)
+    state = InertialState(Inertial(0.0, Z, UP, 0.01), np.eye(3), np.array([x_m, 0.0, 0.0]), Z, Z, Z)
     return ErrorStateFilter(state, P, NOISE)
 
 
-def agreed(copy: PredictedCopy, at_s: float, x_m: float, scale: float = 1.0) -> int:
-    """Hold a fix at x against the copy; return how many agree."""
+DRAWN_ALONG = body(0.01, 9.0)
+
+
+def agreed(
+    copy: PredictedCopy,
+    at_s: float,
+    x_m: float,
+    scale: float = 1.0,
+    kalman: ErrorStateFilter = DRAWN_ALONG,
+) -> int:
+    """Hold a fix at x against the copy and a filter; return how many agree with the copy."""
     fix = Fix(at_s, "antenna", Z, np.array([x_m, 0.0, 0.0]), FIX_STD_M**2 * np.eye(3))
     copy.add_fix(fix, scale, 0.0)
     copy.predict_until(RING, COUNT, at_s)
-    return copy.take(fix, scale, 0.0)
+    fix_residual(kalman, fix, 0.0)
+    return copy.take(kalman, fix, scale, 0.0)
 
 
 def test_fixes_that_come_back_agree_one_by_one_and_correct_the_state() -> None:
@@ -57,6 +68,16 @@ def test_a_copy_that_has_become_uncertain_does_not_agree_with_what_it_refuted() 
     assert [agreed(copy, t, 0.0) for t in (2.15, 2.2, 2.25)] == [1, 2, 3]
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_at_the_limit_does_not_bring_fixes_back(seed: int) -> None:
+    """The covariance grows past a jump that stays, and the noise crosses the limit both ways."""
+    rng, copy = np.random.default_rng(seed), PredictedCopy(body(0.1), 0)
+    stamps_s = np.arange(1, 121) / 20
+    counts = [agreed(copy, t, 0.5 + rng.normal(0, FIX_STD_M)) for t in stamps_s]
+    assert max(counts) == 0
+    assert [agreed(copy, t, 0.0) for t in (6.05, 6.1, 6.15)] == [1, 2, 3]
+
+
 def test_noisy_fixes_agree_with_the_copy_but_not_with_one_another() -> None:
     copy = PredictedCopy(body(1.0), 0)
     assert agreed(copy, 0.05, 2.0) == 0
@@ -66,6 +87,15 @@ def test_noisy_fixes_agree_with_the_copy_but_not_with_one_another() -> None:
     copy = PredictedCopy(body(1.0), 0)
     assert agreed(copy, 0.05, 9.0, 400.0) == 0
     assert max(agreed(copy, 1.0 + 0.05 * k, 0.4 * (-1) ** k, 400.0) for k in range(12)) == 12
+
+
+def test_a_filter_that_makes_fixes_as_likely_keeps_its_state() -> None:
+    """It has refused the wrong fixes, and knows better than the copy where it is."""
+    for filter_m, returns in ((0.0, False), (0.5, True)):
+        copy = PredictedCopy(body(1.0), 0)
+        agreed(copy, 0.1, 9.0)
+        right = body(0.01, filter_m)
+        assert any(agreed(copy, t, 0.0, 1.0, right) for t in (0.2, 0.25, 0.3)) == returns
 
 
 def test_a_fix_that_agrees_with_the_filter_begins_the_count_again() -> None:
