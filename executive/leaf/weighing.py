@@ -33,9 +33,10 @@ def hanging_kg(context: Context, window_s: float) -> Generator[None, None, float
 def least_kg(stone: Stone, stones: Sequence[Stone], share: float = LEAST_SHARE) -> float:
     """Return the mass below which the ground carries a part of a stone [kg].
 
-    It is two standard deviations below the mass that was weighed before. Of a stone that was not
-    weighed, it is a share of the mass that its volume tells: two standard deviations below that of
-    the stones of the site that were weighed and placed.
+    It is two standard deviations below the mass that was weighed before: those of the difference of
+    two weights, for this one is as uncertain as that one. Of a stone that was not weighed, it is a
+    share of the mass that its volume tells: two standard deviations below that of the stones of the
+    site that were weighed and placed.
 
     Args:
         stone: The stone.
@@ -43,7 +44,7 @@ def least_kg(stone: Stone, stones: Sequence[Stone], share: float = LEAST_SHARE) 
         share: The share while none was weighed.
     """
     if stone.weight is not None:
-        return stone.mass_kg - _SURE * stone.weight.std_kg
+        return stone.mass_kg - _SURE * float(np.sqrt(2)) * stone.weight.std_kg
     weighed = [one for one in stones if one.weight is not None and one.state is StoneState.PLACED]
     if weighed:
         share = _least_of_next([one.mass_kg / one.mass_by_volume_kg for one in weighed])
