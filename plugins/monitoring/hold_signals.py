@@ -92,7 +92,7 @@ class HoldSignals:
 
     def _collect(self, sample: JointSample) -> None:
         position, _, effort = sample.of(self._machine.jaw.name)
-        self._q, window = sample.position[:-1], self._window
+        self._q, self._jaw_rad, window = sample.position[:-1], position, self._window
         window.stamps_s.append(sample.stamp_s)
         window.masses_kg.append(self._scale.weigh(sample))
         window.forces.append(-effort)  # a negative effort closes
@@ -104,15 +104,18 @@ class HoldSignals:
         now_s, root = window.stamps_s[-1], np.sqrt(len(window.stamps_s))
         opening_m, mass_kg = float(np.mean(window.openings_m)), float(np.mean(window.masses_kg))
         velocity: Float = np.mean(window.velocities, axis=0)
+        is_moving = np.abs(velocity) > _SURE * self._velocity_std / root
+        acceleration = self._acceleration(velocity)
+        q_jaw = np.append(self._q, self._jaw_rad)
         weight = self._mass.take(
             mass_kg,
-            self._scale.noise_kg(self._q) / root,
-            self._moving_share(velocity),
+            float(np.hypot(self._scale.noise_kg(self._q) / root,
+                           self._scale.moving_kg(q_jaw, acceleration, is_moving))),
+            self._scale.shaken_share(self._q, acceleration),
             self._scale.lever_share(self._q),
-        )
-        is_moving = bool((np.abs(velocity) > _SURE * self._velocity_std / root).any())
+        )  # fmt: skip
         closed, widened = self._jaws.take(
-            now_s, opening_m, self._opening_std_m / root * np.sqrt(2), is_moving
+            now_s, opening_m, self._opening_std_m / root * np.sqrt(2), bool(is_moving.any())
         )
         signals = Signals(
             weight,
@@ -124,11 +127,11 @@ class HoldSignals:
         )
         return HoldWindow(signals, mass_kg, opening_m, self._jaws.held_m)
 
-    def _moving_share(self, velocity: Float) -> float:
-        """Return by what share of it an acceleration changes the mass, from two mean velocities."""
+    def _acceleration(self, velocity: Float) -> Float:
+        """Return the acceleration of the arm's joints, from two mean velocities."""
         before = velocity if self._velocity is None else self._velocity
         self._velocity = velocity
-        return self._scale.shaken_share(self._q, (velocity - before) / WINDOW_S)
+        return np.asarray((velocity - before) / WINDOW_S)
 
     def _pressing(self, window: _Samples) -> Signal:
         """Return the force of the jaws as a share of the largest so far, if it is measured."""

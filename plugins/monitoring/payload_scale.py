@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
@@ -36,6 +36,9 @@ class PayloadScale:
         ]
         noise = encoders_of(machine).effort_noise
         self._effort_std = noise * np.array([joint.max_effort for joint in machine.joints])
+        # Of cylinders and seals, against the motion; without hydraulics the efforts are those told.
+        share = 0.0 if machine.hydraulics is None else machine.hydraulics.friction
+        self._friction = share * np.array([joint.max_effort for joint in machine.joints])
         self._mirror = self._model.joints[self._model.getJointId(machine.jaw.mirror_name)]
 
     def weigh(self, sample: JointSample) -> float:
@@ -77,6 +80,24 @@ class PayloadScale:
         """
         out_m = np.linalg.norm(self._kinematics.gripper(q_arm)[:2, 3])
         return float(_OFF_CENTRE_M / max(float(out_m), _OFF_CENTRE_M))
+
+    def moving_kg(self, q: Float, acceleration: Float, is_moving: Bool) -> float:
+        """Return the standard deviation of the mass by the efforts that move the empty arm [kg].
+
+        They are those of its inertia, and of the friction of the joints that move. An arm of some
+        tonnes that begins to rise needs as much as a small stone weighs.
+
+        Args:
+            q: Positions of the arm joints, then of the jaw, shape (n + 1,).
+            acceleration: Of the arm joints, shape (n,).
+            is_moving: Which of them move, shape (n,).
+        """
+        lever, rows = self.lever(q[:-1]), [joint.idx_v for joint in self._joints[:-1]]
+        full = pin.crba(self._model, self._data, self._configuration(q))
+        inertia = (np.triu(full) + np.triu(full, 1).T)[np.ix_(rows, rows)]
+        shaken = float(np.abs(lever) @ np.abs(inertia @ acceleration))
+        rubbed = float(np.linalg.norm(lever * self._friction * is_moving))
+        return float(np.hypot(shaken, rubbed) / max(float(lever @ lever), 1e-9))
 
     def shaken_share(self, q_arm: Float, acceleration: Float) -> float:
         """Return by what share joint accelerations may change the weight at the grasp centre."""

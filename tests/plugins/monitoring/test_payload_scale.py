@@ -48,6 +48,11 @@ def sample(
     )
 
 
+def transform_velocity(rate: np.ndarray, point: tuple) -> np.ndarray:
+    """Return the velocity of a point of a link, from the rate of the link's pose."""
+    return rate[:3, :3] @ np.array(point) + rate[:3, 3]
+
+
 @pytest.mark.parametrize("model", ["m545", "mini"])
 def test_the_empty_machine_needs_the_gradient_of_its_energy(model: str) -> None:
     machine = load_machine(model)
@@ -65,6 +70,29 @@ def test_weighs_what_hangs_in_the_gripper(payload_kg: float) -> None:
     assert PayloadScale(machine).weigh(sample(machine, POSTURES, 0.5, effort)) == pytest.approx(
         payload_kg, abs=1.0
     )
+
+
+def test_an_arm_that_moves_needs_efforts_that_are_no_weight() -> None:
+    machine = load_machine("m545")
+    scale, q = PayloadScale(machine), np.append(machine.posture("carry"), 0.3)
+    assert machine.hydraulics is not None
+    boom = np.arange(7) == 1
+    lever = scale.lever(q[:-1])
+    rubbed = machine.hydraulics.friction * machine.joints[1].max_effort
+    assert scale.moving_kg(q, np.zeros(7), np.zeros(7, dtype=bool)) == 0.0
+    friction_kg = scale.moving_kg(q, np.zeros(7), boom)
+    assert friction_kg == pytest.approx(rubbed * abs(lever[1]) / (lever @ lever))
+    # What accelerates the boom by a radian per second squared, by the kinetic energy at one.
+    kinematics = Kinematics(machine)
+    step = 1e-6
+    frames = [kinematics.frames(q[:-1] + d * step * boom, 0.3) for d in (-1, 1)]
+    moved = {name: (frames[1][name] - frames[0][name]) / (2 * step) for name in machine.links}
+    points = sum(
+        link.mass_kg * float((transform_velocity(moved[name], link.com_m) ** 2).sum())
+        for name, link in machine.links.items()
+    )
+    shaken_kg = scale.moving_kg(q, boom.astype(float), np.zeros(7, dtype=bool))
+    assert shaken_kg > 0.7 * points * abs(lever[1]) / (lever @ lever)
 
 
 def test_tells_the_vertical_speed_of_the_stone() -> None:
