@@ -14,9 +14,9 @@ from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFil
 from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.kalman.packed_measurements import compare, correct_by_compared
 from executive_plugins.estimation.kalman.packed_prediction import predict_until
-from scipy.stats import chi2
 
 from executive.arrays import Float
+from executive.geometry import chi_square
 
 _LEFT_OUT = 0.01  # probability of a sound fix that counts as one that disagrees
 # Probability of a sound fix that is refuted by far. It is a hundredth of the one above, so that no
@@ -199,16 +199,16 @@ def _covariance(block: Block) -> Float:
 @lru_cache(maxsize=1)
 def agreement_limit() -> float:
     """Return the squared distance that 99 of 100 sound fixes are within."""
-    return float(chi2.isf(_LEFT_OUT, 3))
+    return chi_square.bound(_LEFT_OUT, 3)
 
 
 @lru_cache(maxsize=1)
 def far_limit() -> float:
     """Return the squared distance beyond which a fix is refuted by far, not by its noise."""
-    return float(chi2.isf(_FAR, 3))
+    return chi_square.bound(_FAR, 3)
 
 
 @lru_cache(maxsize=64)
 def step_limit(period_s: float) -> float:
     """Return the squared size of a step between two fixes that chance exceeds once an hour."""
-    return float(chi2.isf(period_s / FALSE_ALARM_S, 3))
+    return chi_square.bound(period_s / FALSE_ALARM_S, 3)

@@ -121,6 +121,7 @@ def test_the_ground_is_where_it_is_and_each_step_is_told(site: Callable) -> None
         "6 of 6 pictures in place",
         "pictures read: 6 of 6",
         *(f"depth of picture {i} of 6: {planes}" for i in range(1, 7)),
+        "points of pictures confirmed: 6 of 6",
     ]
     # From 0.2 m below to 0.29 m above the ground by 1.25 pixels of 5 cm, and the first.
     assert planes == "9 planes"
@@ -217,7 +218,7 @@ def test_colmap_accounts_for_its_survey(site: Callable, monkeypatch: pytest.Monk
     survey.follow(told.append)
     cloud = survey.survey(np.random.default_rng(1))
     assert len(cloud) > 240
-    assert len(told) == 9
+    assert len(told) == 10
     account = survey.account()
     assert account["pictures"] == 6
     assert account["placed"] == photographs.names

@@ -2,6 +2,7 @@
 they are.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pycolmap
 import pytest
 from executive_plugins.surveying import plane_sweep
 from executive_plugins.surveying.depth_maps import confirmed, make_view, sweep_planes
-from executive_plugins.surveying.fusion import below_flight, fuse
+from executive_plugins.surveying.fusion import below_flight, cells_of, fuse
 from executive_plugins.surveying.grid_flight import look
 from executive_plugins.surveying.plane_sweep import View, sweep
 from executive_plugins.surveying.settings import DepthSettings
@@ -170,12 +171,15 @@ def test_fusion_means_cells_drops_lone_points_and_turns_normals_to_the_cameras()
     flat = np.column_stack([rng.uniform(0, 1, (4000, 2)), np.full(4000, 0.05)])
     lone = np.array([[0.5, 0.5, 3.0]])
     above, below = np.array([0.5, 0.5, 5.0]), np.array([0.5, 0.5, -5.0])
-    points, normals = fuse([(flat, above), (np.vstack([flat, lone]), above)], 0.1, 2)
+    first, second, other = (
+        partial(cells_of, seen, camera, 0.1)
+        for seen, camera in ((flat, above), (np.vstack([flat, lone]), above), (flat, below))
+    )
+    points, normals = fuse([first, second], 2)
     assert len(points) == 100
     assert np.allclose(points[:, 2], 0.05)
     assert np.allclose(normals, UP, atol=1e-6)
-    assert np.allclose(fuse([(flat, below)], 0.1, 1)[1], -UP, atol=1e-6)
-    assert len(fuse([], 0.1, 1)[0]) == 0
+    assert np.allclose(fuse([other], 1)[1], -UP, atol=1e-6)
 
 
 def test_keeps_what_lies_below_the_flight() -> None:

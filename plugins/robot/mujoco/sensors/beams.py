@@ -10,10 +10,11 @@ from executive.arrays import Float, Int
 
 def compile_beams() -> None:
     """Compile the loops, so that no scan waits for them."""
-    one, none = np.zeros((1, 1, 3), dtype=np.float32), np.zeros(1, dtype=np.int64)
-    beams_in_world(one, none, np.zeros((1, 3)), np.zeros((1, 3, 3)))
-    beams_towards(one[0].T.copy(), one[0], one[0])
-    returned_points(one, none, np.zeros(1))
+    box, none = np.zeros((1, 3), dtype=np.float32), np.zeros(1, dtype=np.int64)
+    strided = np.zeros((2, 2, 6), dtype=np.float32)[:, :, ::2]  # in memory like those of a pattern
+    beams_in_world(strided, none, np.zeros((2, 3)), np.zeros((2, 3, 3)))
+    beams_towards(box.T.copy(), box, box)
+    returned_points(strided, none, np.zeros(1))
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
