@@ -197,13 +197,12 @@ def _believed(
     """Return the points of one view that others confirm, below the flight."""
     view, depth = views[i], depths[i].astype(np.float64)
     keep = confirmed(view, depth, [(views[j], depths[j]) for j in neighbours[i]], s.depth)
-    points = np.vstack(
-        [
-            view.centre + (view.rays(rows) * depth[rows, :, None])[keep[rows]]
-            for rows in bands(len(depth))
-        ]
-    )
-    return points[below_flight(points, cameras, s.margin_m)]
+
+    def points(rows: slice) -> Float:
+        seen = view.centre + (view.rays(rows) * depth[rows, :, None])[keep[rows]]
+        return seen[below_flight(seen, cameras, s.margin_m)]
+
+    return np.vstack([points(rows) for rows in bands(len(depth))])
 
 
 def _check_scale(
