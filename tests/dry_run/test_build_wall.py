@@ -1,6 +1,7 @@
 """The trees of `build_wall`, without a machine: what follows when an attempt fails."""
 
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -41,13 +42,9 @@ NO_PLACE = "{status: failure, reason: nothing_fits, final: true}"
     ids=["another place", "no other place"],
 )  # fmt: skip
 def test_jaws_that_close_on_nothing_are_followed_by_a_look_and_a_new_plan(
-    monkeypatch: pytest.MonkeyPatch, tmp_path, second_plan: str, ends: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, second_plan: str, ends: str
 ) -> None:
-    mocks = tmp_path / "mocks.yaml"
-    mocks.write_text(MOCKS % (second_plan, ends))
-    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
-    monkeypatch.setattr(sys, "argv", ["executive", *words])
-    assert exit_status() == 0
+    assert exit_status(monkeypatch, tmp_path, MOCKS % (second_plan, ends)) == 0
 
 
 UNLIKELY = """api: 1
@@ -77,13 +74,9 @@ expect:
     ],
 )
 def test_a_stone_that_no_grasp_is_likely_to_hold_is_left_without_an_attempt(
-    monkeypatch: pytest.MonkeyPatch, tmp_path, score: str, ends: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, score: str, ends: str
 ) -> None:
-    mocks = tmp_path / "mocks.yaml"
-    mocks.write_text(UNLIKELY % (score, ends))
-    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
-    monkeypatch.setattr(sys, "argv", ["executive", *words])
-    assert exit_status() == 0
+    assert exit_status(monkeypatch, tmp_path, UNLIKELY % (score, ends)) == 0
 
 
 UNTOUCHED = """api: 1
@@ -105,13 +98,9 @@ expect:
 
 
 def test_a_stone_that_no_grasp_fits_is_planned_anew_and_not_looked_for(
-    monkeypatch: pytest.MonkeyPatch, tmp_path
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    mocks = tmp_path / "mocks.yaml"
-    mocks.write_text(UNTOUCHED)
-    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
-    monkeypatch.setattr(sys, "argv", ["executive", *words])
-    assert exit_status() == 0
+    assert exit_status(monkeypatch, tmp_path, UNTOUCHED) == 0
 
 
 OVER = """api: 1
@@ -132,16 +121,17 @@ expect:
     [("all_too_heavy", "success", "failure, failure"), ("complete", "", "failure")],
 )
 def test_before_it_ends_lost_stones_are_looked_for(
-    monkeypatch: pytest.MonkeyPatch, tmp_path, ending: str, looks: str, plans: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, ending: str, looks: str, plans: str
 ) -> None:
-    mocks = tmp_path / "mocks.yaml"
-    mocks.write_text(OVER % (ending, looks, plans))
-    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(mocks)]
+    assert exit_status(monkeypatch, tmp_path, OVER % (ending, looks, plans)) == 0
+
+
+def exit_status(monkeypatch: pytest.MonkeyPatch, folder: Path, mocks: str) -> int:
+    """Return how a dry run of `build_wall` with these mocks ends."""
+    path = folder / "mocks.yaml"
+    path.write_text(mocks)
+    words = ["run", "build_wall", "--dry", "--failures", "0", "--mocks", str(path)]
     monkeypatch.setattr(sys, "argv", ["executive", *words])
-    assert exit_status() == 0
-
-
-def exit_status() -> int:
     try:
         main()
     except SystemExit as end:

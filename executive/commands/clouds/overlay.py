@@ -32,8 +32,8 @@ class Overlay:
         target: The cloud that it is laid over.
         crop: Words of the area to look at in the target; None for all of it.
         crop_source: The same in the source, in its own coordinates.
-        out: File for both clouds, or folder for the answers of a folder.
         widest_m: Largest width of what is looked at of each cloud [m]; None for the usual one.
+        out: File for both clouds, or folder for the answers of a folder.
         as_json: Whether to answer on standard output.
         is_shown: Whether to show the result.
     """

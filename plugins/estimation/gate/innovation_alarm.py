@@ -144,3 +144,11 @@ def binary(period_s: float) -> float:
 def alarm_limit(degrees: int, period_s: float) -> float:
     """Return the bound on a squared mean that is exceeded by chance once in `FALSE_ALARM_S`."""
     return chi_square.bound(period_s / (FALSE_ALARM_S * WINDOW), degrees)
+
+
+@lru_cache(maxsize=64)
+def chance_limit(period_s: float) -> float:
+    """Return the bound on the squared length of three deviations that chance exceeds once in
+    `FALSE_ALARM_S`, if they are looked at once in a period [s].
+    """
+    return chi_square.bound(period_s / FALSE_ALARM_S, 3)

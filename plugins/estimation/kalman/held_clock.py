@@ -1,16 +1,14 @@
 """When a filter estimates the receiver's clock: in motion, while all innovations are explained."""
 
 from collections import deque
-from functools import lru_cache
 
 import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
-from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
+from executive_plugins.estimation.gate.innovation_alarm import binary, chance_limit
 from executive_plugins.estimation.inertial.state import VELOCITY
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 
 from executive.arrays import Float
-from executive.geometry import chi_square
 
 _REMEMBERED_S = 20.0  # six fixes of the slowest receivers
 
@@ -71,13 +69,4 @@ def shows_clock(kalman: ErrorStateFilter, arm_imu: Float, period_s: float) -> bo
     state = kalman.state
     velocity_imu = state.R_map_imu.T @ state.v_map_imu + np.cross(state.rate, arm_imu)
     covariance = kalman.covariance[VELOCITY, VELOCITY]  # in IMU axes, see `exponential`
-    return squared_distance(covariance, velocity_imu) > motion_limit(binary(period_s))
-
-
-@lru_cache(maxsize=64)
-def motion_limit(period_s: float) -> float:
-    """Return the bound on a squared velocity that chance exceeds at rest once in `FALSE_ALARM_S`.
-
-    The velocity is that in deviations of its three components.
-    """
-    return chi_square.bound(period_s / FALSE_ALARM_S, 3)
+    return squared_distance(covariance, velocity_imu) > chance_limit(binary(period_s))

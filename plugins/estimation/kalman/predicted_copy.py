@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.direct_call import direct
-from executive_plugins.estimation.gate.innovation_alarm import FALSE_ALARM_S, binary
+from executive_plugins.estimation.gate.innovation_alarm import binary, chance_limit
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.state import VELOCITY
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
@@ -125,7 +125,7 @@ class PredictedCopy:
         drift = since_s * row["R"]
         covariance = before.noise + now.noise + drift @ row["P"][VELOCITY, VELOCITY] @ drift.T
         step2 = squared_distance(covariance, now.innovation - before.innovation)
-        return step2 > step_limit(binary(since_s))
+        return step2 > chance_limit(binary(since_s))
 
     def take(self, kalman: ErrorStateFilter, fix: Fix, scale: float, late_s: float) -> int:
         """Compare with a fix that is in doubt for the filter, at the time of both.
@@ -206,9 +206,3 @@ def agreement_limit() -> float:
 def far_limit() -> float:
     """Return the squared distance beyond which a fix is refuted by far, not by its noise."""
     return chi_square.bound(_FAR, 3)
-
-
-@lru_cache(maxsize=64)
-def step_limit(period_s: float) -> float:
-    """Return the squared size of a step between two fixes that chance exceeds once an hour."""
-    return chi_square.bound(period_s / FALSE_ALARM_S, 3)

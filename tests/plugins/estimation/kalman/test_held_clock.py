@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.gate.innovation_alarm import chance_limit
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import (
@@ -13,7 +14,7 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
 )
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
-from executive_plugins.estimation.kalman.held_clock import HeldClock, motion_limit, shows_clock
+from executive_plugins.estimation.kalman.held_clock import HeldClock, shows_clock
 from scipy.stats import chi2
 
 Z, UP = np.zeros(3), np.array([0.0, 0.0, 9.81])
@@ -97,7 +98,7 @@ ARM = np.array([0.0, 1.0, 0.5])
 
 @pytest.mark.parametrize("axis", range(3))
 def test_an_antenna_shows_the_clock_only_if_it_moves_more_than_chance_makes_of_rest(axis) -> None:
-    limit = np.sqrt(motion_limit(0.125))
+    limit = np.sqrt(chance_limit(0.125))
     v = np.eye(3)[axis] * 0.02
     assert not shows_clock(moving(0.95 * limit * v, Z, 0.02), ARM, 0.2)
     assert shows_clock(moving(1.05 * limit * v, Z, 0.02), ARM, 0.2)
@@ -111,4 +112,4 @@ def test_an_antenna_that_swings_about_the_sensor_shows_the_clock() -> None:
 
 
 def test_chance_moves_an_antenna_at_rest_once_an_hour() -> None:
-    assert chi2.sf(motion_limit(0.125), 3) * 3600 / 0.125 == pytest.approx(1.0)
+    assert chi2.sf(chance_limit(0.125), 3) * 3600 / 0.125 == pytest.approx(1.0)
