@@ -18,6 +18,7 @@ from executive.leaf.filled_place import is_filled
 from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.resting import moved, to_rest
 from executive.leaf.sightings import sightings
 from executive.leaf.slots_found import tell_slots
 from executive.leaf.solid_stones import solid_stones
@@ -76,7 +77,8 @@ class PlanBuilding(Action[PlanBuildingSettings]):
     the map stale: nothing is planned on it. A stone that lies within the structure without having
     been placed, because it fell or rolled there, is adopted as built; so is one that is not
     recognised where it was last, if the map shows a body there. The next stone is one that lies on
-    the ground elsewhere, or the one that is asked for.
+    the ground elsewhere, or the one that is asked for. That may be in the jaws: places are sought
+    for it in the attitude in which it lay, by turns about the vertical.
     """
 
     needs = (StructurePlanner, Mapper, ObjectDatabase)
@@ -90,7 +92,8 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         Args:
             structure: What is to be built.
             segmentation: The site before the first stone was moved; its ground is used.
-            for_stone: Id of the only stone that may be chosen; by default any on the ground.
+            for_stone: Id of the only stone that may be chosen, on the ground or in the jaws; by
+                default any on the ground.
         """
         stones = self.context.use(ObjectDatabase).stones()
         standing = [one for one in stones if one.state is StoneState.PLACED]
@@ -105,9 +108,11 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         standing += adopted
         free = [one for one in stones if one.state is StoneState.ON_GROUND
                 and one not in adopted and for_stone in (None, one.id)]  # fmt: skip
+        free += [moved(one, to_rest(one, objects)) for one in stones
+                 if one.state is StoneState.HELD and one.id == for_stone]  # fmt: skip
         if for_stone is not None and not free:
             state = next((one.state.value for one in stones if one.id == for_stone), "unknown")
-            told = f"stone {for_stone} cannot be placed: it is {state}, not on the ground"
+            told = f"stone {for_stone} cannot be placed: it is {state}, neither held nor lying"
             return failed(told, is_final=True)
         as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
@@ -123,7 +128,8 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         if not plan.targets:
             told = plan.detail or "no place holds any stone"
             return self._over(structure, str(plan.reason), told, standing, plan.refused)
-        return self._next(structure, plan, solids, standing)
+        best = next(one for one in free if str(one.id) == plan.targets[0].stone)
+        return self._next(structure, plan, best, solids[best.id], standing)
 
     def _adopted(self, within: Sequence[Stone]) -> Generator[Job[Cloud], Cloud, list[Stone]]:
         """Return the stones within the structure that are part of it without having been placed.
@@ -168,13 +174,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         self,
         structure: Structure,
         plan: BuildPlan,
-        solids: Mapping[int, StandingStone],
+        stone: Stone,
+        lying: StandingStone,
         standing: Sequence[Stone],
     ) -> Outcome[BuildingStep]:
         """Return the stone of the best target, and its targets as slots."""
         best = plan.targets[0]
-        stone = self.context.use(ObjectDatabase).stone(int(best.stone))
-        lying = solids[stone.id]
         targets = [one for one in plan.targets if one.stone == best.stone]
         slots = [_slot(n, one, lying, stone) for n, one in enumerate(targets, 1)]
         self.context.record(

@@ -24,7 +24,7 @@ from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
 from executive.leaf.weighing import least_kg
-from executive.machine.jaw_clearance import angle_beside, angle_free_of
+from executive.machine.jaw_clearance import RELEASE_RAD, angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
@@ -36,7 +36,7 @@ class ReleaseStoneSettings(Settings):
         None, gt=0, description="Force at each tip [N]; by default the gripper's own."
     )
     clearance: Radians = Field(
-        0.2, gt=0, le=2, description="Least opening beyond that of the hold [rad]."
+        RELEASE_RAD, gt=0, le=2, description="Least opening beyond that of the hold [rad]."
     )
     room: Meters = Field(
         0.05,

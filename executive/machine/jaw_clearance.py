@@ -6,6 +6,7 @@ from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.machine.gripper import Gripper
 
+RELEASE_RAD = 0.2  # by which jaws open at least to let a stone go: 20 cm at the M545's tips
 _STEP_RAD = 0.02  # 4 cm at the tips of the M545's gripper
 
 
@@ -43,6 +44,21 @@ def _sideways(points: Float, tip: Float, up: Float) -> Float:
     away = points - tip
     height = away @ up
     return np.asarray((away[:, 1] - height * up[1])[height > 0.0])
+
+
+def release_angles(gripper: Gripper, stone_gripper: Float, up_gripper: Float) -> Float:
+    """Return the jaw angles between which a stone is let go, least first, shape (3,) [rad].
+
+    The least one is that at which the tips just pass the stone on their way up: jaws that hold it
+    are closed as far, or farther.
+
+    Args:
+        gripper: The gripper.
+        stone_gripper: The stone's surface in the gripper's frame [m], shape (N, 3).
+        up_gripper: The direction in which the gripper leaves, a unit vector in its own frame.
+    """
+    least_rad = angle_free_of(gripper, stone_gripper, up_gripper, 0.0, 0.0)
+    return np.minimum(least_rad + RELEASE_RAD * np.array([0.0, 0.5, 1.0]), gripper.open_rad)
 
 
 def angle_beside(

@@ -11,9 +11,9 @@ from executive.geometry.polygon import Box, contains, rectangle
 from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
+from executive.machine.jaw_clearance import release_angles
 from executive.messages.placement import Slot
 
-_OPENINGS = (1.0, 0.75, 0.5)  # checked openings, as shares of the widest angle
 _IN_GROUND_M = 0.02  # a ground point deeper than this in the gripper is a collision
 _LEVEL_M = 0.15  # points higher than this above the ground belong to neighbours
 # Least distance of a neighbour from the stone and the jaws; its far side may not have been seen.
@@ -65,12 +65,14 @@ class SlotSurroundings:
 
     def __init__(self, gripper: Gripper, cloud: Float, foot: SlotFoot) -> None:
         self._apart_m = foot.apart_m
-        angles = [fraction * gripper.open_rad for fraction in _OPENINGS]
-        hulls = [
-            hull for angle in angles for parts in gripper.hulls(angle).values() for hull in parts
-        ]
-        self._faces = [half_spaces(hull) for hull in hulls]
-        self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in hulls) + _APART_M
+        self._gripper = gripper
+        self._palm = [half_spaces(shape.vertices) for shape in gripper.palm_shapes]
+        self._jaws = {
+            name: [half_spaces(shape.vertices) for shape in link.shapes]
+            for name, link in gripper.links.items()
+        }
+        widest = [hull for parts in gripper.hulls(gripper.open_rad).values() for hull in parts]
+        self._reach_m = max(float(np.linalg.norm(hull, axis=1).max()) for hull in widest) + _APART_M
         distance = np.linalg.norm(cloud[:, :2] - foot.position_map[:2], axis=1)
         near = cloud[distance < foot.radius_m + self._reach_m]
         near = near[first_in_cells(near, _SPACING_M)]
@@ -82,18 +84,32 @@ class SlotSurroundings:
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
-        """Return whether stone and opening jaws clear the neighbours, and the jaws the ground."""
+        """Return whether stone and opening jaws clear the neighbours, and the jaws the ground.
+
+        The jaws open as far as they do to let this stone go (`ReleaseStone`), not as they can.
+        """
         if self._tree is not None and self._tree.query(stone_map)[0].min() < self._apart_m:
             return False
-        if self._depth_m(self._neighbours, T_map_gripper) > -self._apart_m:
+        T_gripper_map = inverse(T_map_gripper)
+        stone = transform(T_gripper_map, stone_map)
+        angles = release_angles(self._gripper, stone, T_map_gripper[2, :3])
+        if self._depth_m(transform(T_gripper_map, self._neighbours), angles) > -self._apart_m:
             return False
-        return self._depth_m(self._ground, T_map_gripper) < _IN_GROUND_M
+        return self._depth_m(transform(T_gripper_map, self._ground), angles) < _IN_GROUND_M
 
-    def _depth_m(self, points: Float, T_map_gripper: Float) -> float:
-        """Return the largest depth of a point in the gripper at any of the openings [m].
+    def _depth_m(self, points_gripper: Float, angles: Float) -> float:
+        """Return the largest depth of a point in the gripper at any of the jaws' angles [m].
 
         It is negative if all points are outside.
         """
-        local = transform(inverse(T_map_gripper), points)
-        local = local[np.linalg.norm(local, axis=1) < self._reach_m]
-        return max(float(depth_inside(faces, local).max(initial=-np.inf)) for faces in self._faces)
+        near = points_gripper[np.linalg.norm(points_gripper, axis=1) < self._reach_m]
+        deepest = max(_deepest(faces, near) for faces in self._palm)
+        for name, parts in self._jaws.items():
+            for angle in angles:
+                of_jaw = transform(inverse(self._gripper.T_gripper_jaw(name, float(angle))), near)
+                deepest = max(deepest, *(_deepest(faces, of_jaw) for faces in parts))
+        return deepest
+
+
+def _deepest(faces: Float, points: Float) -> float:
+    return float(depth_inside(faces, points).max(initial=-np.inf))

@@ -9,6 +9,7 @@ from executive.behaviours.keep_fitting_grasps import KeepFittingGrasps
 from executive.behaviours.plan_building import PlanBuilding
 from executive.events.site import BuildingEnded, BuildingPlanned
 from executive.geometry.pose import inverse, pose, transform
+from executive.geometry.rotation import exp_so3
 from executive.interfaces.building import StructurePlanner
 from executive.interfaces.placing import PlacementPlanner
 from executive.messages.building import BuildPlan, BuildTarget
@@ -157,8 +158,32 @@ def test_a_stone_that_is_lost_is_not_planned(stage, database):
     stand, planner = on_stage(stage, database, NOTHING)
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
     assert (ended.status, ended.is_final) == ("FAILURE", True)
-    assert ended.reason == "stone 2 cannot be placed: it is lost, not on the ground"
+    assert ended.reason == "stone 2 cannot be placed: it is lost, neither held nor lying"
     assert planner.calls("propose") == []
+
+
+def test_a_stone_in_the_jaws_is_planned_in_the_attitude_in_which_it_lay(stage, database):
+    """The jaws have tilted it: on the structure it would come down on an edge."""
+    lying = database.stone(1)
+    database.grasp(1, pose(), 2.0)
+    tilt = exp_so3(np.array([0.4, 0.0, 0.0]))
+    middle = lying.centroid_map
+    database.realign(1, pose(tilt, middle - tilt @ middle), 3.0)
+    stand, planner = on_stage(stage, database, BuildPlan((target("1", (0, 6, 0.4)),), None, {}))
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=1)
+    assert (ended.status, ended.outputs["stone"]) == ("SUCCESS", 1)
+    (asked,) = planner.calls("propose")
+    (solid,) = asked["inventory"]
+    np.testing.assert_allclose(np.ptp(solid.vertices[:, 2]), 0.7, atol=0.01)
+    (slot,) = ended.outputs["free_slots"]
+    np.testing.assert_allclose(slot.T_map_object[:3, :3], lying.T_map_object[:3, :3], atol=1e-6)
+
+
+def test_a_stone_in_the_jaws_is_no_choice_unless_it_is_asked_for(stage, database):
+    database.grasp(1, pose(), 2.0)
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
 
 
 def test_a_stone_that_was_not_seen_since_its_release_makes_the_map_stale(stage, database):

@@ -103,6 +103,43 @@ def test_a_stone_that_no_grasp_fits_is_planned_anew_and_not_looked_for(
     assert exit_status(monkeypatch, tmp_path, UNTOUCHED) == 0
 
 
+HELD = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: []}}
+    - %s
+    - {status: failure, outputs: {ending: complete}}
+  KeepFittingGrasps: {outputs: {grasps: [{score: 0.9}]}}
+  PlanPlacement: [failure, success]
+  DetectSlip: success
+  ForgetPlace: success
+  VerifyPlacement: success
+  SetAside: success
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+
+
+@pytest.mark.parametrize(
+    ("second_plan", "ends"),
+    [
+        # It stays in the jaws, and is set down at another place in the same attempt.
+        (AGAIN, "PlanPlacement: [failure, success], PlanPick: [success], FindAgain: []"),
+        # It has no other place: it is let go where it is.
+        (NO_PLACE, "PlanPlacement: [failure], PlanPick: [success], FindAgain: [success]"),
+    ],
+    ids=["another place", "no other place"],
+)
+def test_other_places_are_planned_for_a_stone_in_the_jaws_that_reaches_none(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, second_plan: str, ends: str
+) -> None:
+    assert exit_status(monkeypatch, tmp_path, HELD % (second_plan, ends)) == 0
+
+
 OVER = """api: 1
 mocks:
   Localise: success

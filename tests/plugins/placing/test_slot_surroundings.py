@@ -8,6 +8,7 @@ from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundin
 from executive.arrays import Float
 from executive.geometry.polygon import Box
 from executive.geometry.pose import pose, transform
+from executive.machine.jaw_clearance import RELEASE_RAD
 from executive.machine.machine import Machine
 from executive.messages.placement import Slot
 
@@ -18,9 +19,12 @@ T_MAP_GRIPPER = pose(
 STONE = np.array([[0.0, 0.0, 1.5]])
 
 
-def outermost(machine: Machine) -> Float:
-    """Return the corner of the open gripper that is farthest along y, in the map [m]."""
-    parts = machine.gripper.hulls(machine.gripper.open_rad).values()
+def outermost(machine: Machine, angle_rad: float = RELEASE_RAD) -> Float:
+    """Return the corner of the gripper that is farthest along y, in the map [m].
+
+    As it is by default, its jaws let go what is a point between its tips.
+    """
+    parts = machine.gripper.hulls(angle_rad).values()
     corners = transform(T_MAP_GRIPPER, np.vstack([hull for hulls in parts for hull in hulls]))
     return np.asarray(corners[corners[:, 1].argmax()])
 
@@ -32,6 +36,19 @@ def test_jaws_keep_ten_centimetres_from_a_neighbour(machine: Machine, site: tupl
         cloud = np.vstack([ground(4.0), neighbour])
         around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.zeros(3), 0.5))
         assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
+
+
+def test_jaws_need_room_for_letting_go_and_not_for_all_of_their_opening(
+    machine: Machine, site: tuple
+) -> None:
+    ground: Callable[..., Float] = site[1]
+    in_the_way = outermost(machine, machine.gripper.open_rad)
+    cloud = np.vstack([ground(4.0), in_the_way])
+    around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.zeros(3), 0.5))
+    assert around.is_free(T_MAP_GRIPPER, STONE)
+    # Jaws that hold a stone of 1.7 m have to open as far as they can.
+    wide = np.column_stack([np.zeros(35), np.linspace(-0.85, 0.85, 35), np.full(35, 2.2)])
+    assert not around.is_free(T_MAP_GRIPPER, wide)
 
 
 def test_the_stone_keeps_ten_centimetres_from_a_neighbour(machine: Machine, site: tuple) -> None:

@@ -10,6 +10,7 @@ from executive.errors import DataError
 from executive.geometry.convex import depth_inside, half_spaces, volume_and_centroid
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis
+from executive.machine.jaw_clearance import release_angles
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
@@ -157,7 +158,8 @@ def test_opening_jaws_and_stone_keep_off_the_neighbours(
     assert ways
     for way in ways:
         local = transform(inverse(way.T_map_gripper), neighbours)
-        for angle in (machine.gripper.open_rad, 0.75 * machine.gripper.open_rad):
+        at_hold = transform(inverse(T_map_gripper), stone.points_map)
+        for angle in release_angles(machine.gripper, at_hold, way.T_map_gripper[2, :3]):
             for hulls in machine.gripper.hulls(angle).values():
                 assert (
                     max(float(depth_inside(half_spaces(hull), local).max()) for hull in hulls)
