@@ -1,14 +1,15 @@
 """Choose the next stone of a structure, and the pose in which it is to rest there."""
 
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydantic import Field
 
+from executive.arrays import Float
 from executive.config import Meters, Settings
 from executive.events.site import BuildingEnded, BuildingPlanned
-from executive.geometry.pose import inverse
+from executive.geometry.pose import inverse, transform
 from executive.interfaces.building import StructurePlanner
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
@@ -23,8 +24,11 @@ from executive.leaf.sightings import sightings
 from executive.leaf.slots_found import tell_slots
 from executive.leaf.solid_stones import solid_stones
 from executive.leaf.surroundings import map_cloud
+from executive.machine.jaw_clearance import released_jaws
 from executive.messages.building import AsBuilt, BuildPlan, BuildTarget, StandingStone
 from executive.messages.cloud import Cloud
+from executive.messages.grasp import Grasp
+from executive.messages.hold import Hold
 from executive.messages.placement import Slot
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone, StoneState
@@ -85,7 +89,13 @@ class PlanBuilding(Action[PlanBuildingSettings]):
     on_resume = OnResume.REDO
 
     def run(
-        self, structure: Structure, segmentation: Segmentation, for_stone: int | None = None
+        self,
+        structure: Structure,
+        segmentation: Segmentation,
+        for_stone: int | None = None,
+        held_by: list[Grasp] | None = None,
+        in_jaws: Hold | None = None,
+        least_score: float | None = None,
     ) -> Steps[BuildingStep | BuildingOver]:
         """Plan one stone.
 
@@ -94,6 +104,10 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             segmentation: The site before the first stone was moved; its ground is used.
             for_stone: Id of the only stone that may be chosen, on the ground or in the jaws; by
                 default any on the ground.
+            held_by: Grasps of that stone: beside its place there has to be room for the jaws of
+                one of them.
+            in_jaws: How that stone is held, in place of grasps.
+            least_score: Grasps with a lower score do not count; by default all do.
         """
         stones = self.context.use(ObjectDatabase).stones()
         standing = [one for one in stones if one.state is StoneState.PLACED]
@@ -116,6 +130,11 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             return failed(told, is_final=True)
         as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
+        if for_stone is not None:
+            least = -np.inf if least_score is None else least_score
+            grasps = [one.T_map_gripper for one in held_by or () if one.score >= least]
+            grasps += [in_jaws.T_map_gripper] if in_jaws is not None else []
+            solids[for_stone] = self._with_jaws(free[0], solids[for_stone], grasps)
         plan = yield from self.context.job(
             self.context.use(StructurePlanner).propose,
             AsBuilt(structure, ground, tuple(as_built.values())),
@@ -130,6 +149,17 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             return self._over(structure, str(plan.reason), told, standing, plan.refused)
         best = next(one for one in free if str(one.id) == plan.targets[0].stone)
         return self._next(structure, plan, best, solids[best.id], standing)
+
+    def _with_jaws(
+        self, stone: Stone, lying: StandingStone, grasps: Sequence[Float]
+    ) -> StandingStone:
+        """Return the solid of a stone with the jaws that let it go, of each grasp."""
+        gripper, jaws = self.context.machine().gripper, []
+        for T_map_gripper in grasps:
+            surface = transform(inverse(T_map_gripper), stone.points_map)
+            points = released_jaws(gripper, surface, T_map_gripper[2, :3])
+            jaws.append(transform(inverse(lying.T_map_stone) @ T_map_gripper, points))
+        return StandingStone(replace(lying.stone, jaws=tuple(jaws)), lying.T_map_stone)
 
     def _adopted(self, within: Sequence[Stone]) -> Generator[Job[Cloud], Cloud, list[Stone]]:
         """Return the stones within the structure that are part of it without having been placed.

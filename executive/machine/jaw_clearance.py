@@ -4,9 +4,12 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
+from executive.geometry.hull_mesh import hull_mesh
+from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
 
 RELEASE_RAD = 0.2  # by which jaws open at least to let a stone go: 20 cm at the M545's tips
+_APART_M = 0.05  # of points on the jaws: a cell of the height maps
 _STEP_RAD = 0.02  # 4 cm at the tips of the M545's gripper
 
 
@@ -61,6 +64,32 @@ def release_angles(gripper: Gripper, stone_gripper: Float, up_gripper: Float) ->
     return np.minimum(least_rad + RELEASE_RAD * np.array([0.0, 0.5, 1.0]), gripper.open_rad)
 
 
+def released_jaws(gripper: Gripper, stone_gripper: Float, up_gripper: Float) -> Float:
+    """Return points on the palm, and on jaws that let a stone go, in the gripper's frame, (N, 3).
+
+    There is one in each cell of 5 cm that their surfaces pass. The arguments are those of
+    `release_angles`.
+    """
+    angles = release_angles(gripper, stone_gripper, up_gripper)
+    parts = [hull for angle in angles[[0, -1]] for hull in _jaws(gripper, float(angle))]
+    parts += [shape.vertices for shape in gripper.palm_shapes]
+    points = np.concatenate([_on_surface(hull) for hull in parts])
+    return points[np.sort(first_in_cells(points, _APART_M))]
+
+
+def _on_surface(corners: Float) -> Float:
+    """Return points on the surface of a convex hull, at most `_APART_M` apart, shape (N, 3)."""
+    vertices, triangles = hull_mesh(corners)
+    found = []
+    for a, b, c in vertices[triangles]:
+        longest_m = max(np.linalg.norm(b - a), np.linalg.norm(c - b), np.linalg.norm(a - c))
+        steps = int(np.ceil(longest_m / _APART_M)) + 1
+        u, v = (one.ravel() / steps for one in np.mgrid[: steps + 1, : steps + 1])
+        u, v = u[u + v <= 1.0 + 1e-9], v[u + v <= 1.0 + 1e-9]
+        found.append(a + u[:, None] * (b - a) + v[:, None] * (c - a))
+    return np.concatenate(found)
+
+
 def angle_beside(
     gripper: Gripper, others_gripper: Float, least_rad: float, wanted_rad: float
 ) -> float:
@@ -80,8 +109,13 @@ def angle_beside(
 
 def _meets(gripper: Gripper, points: Float, angle_rad: float) -> bool:
     """Return whether a point lies in one of the jaws."""
-    parts = gripper.hulls(angle_rad)
-    jaws = [corners for name in gripper.links for corners in parts[name]]
     return bool(len(points)) and any(
-        bool((depth_inside(half_spaces(corners), points) > 0.0).any()) for corners in jaws
+        bool((depth_inside(half_spaces(corners), points) > 0.0).any())
+        for corners in _jaws(gripper, angle_rad)
     )
+
+
+def _jaws(gripper: Gripper, angle_rad: float) -> list[Float]:
+    """Return the corners of all convex parts of both jaws."""
+    parts = gripper.hulls(angle_rad)
+    return [corners for name in gripper.links for corners in parts[name]]

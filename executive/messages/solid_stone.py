@@ -21,6 +21,9 @@ class SolidStone:
         triangles: Corners of its triangles, counter-clockwise from outside, shape (F, 3).
         mass_kg: Mass [kg].
         doubt_m: How far the true surface may be from this one, one standard deviation [m].
+        jaws: Points on the jaws that let the stone go, in its frame, one array (N, 3) [m] a grasp.
+            At its place there has to be room for those of one grasp; without any it is set down by
+            nothing.
         volume_m3: Volume within the surface [m³].
     """
 
@@ -29,6 +32,7 @@ class SolidStone:
     triangles: Int
     mass_kg: float
     doubt_m: float = 0.0
+    jaws: tuple[Float, ...] = ()
     volume_m3: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -36,6 +40,8 @@ class SolidStone:
         object.__setattr__(
             self, "triangles", checked("triangles", self.triangles, None, 3, dtype=np.int64)
         )
+        jaws = tuple(checked("jaws", points, None, 3) for points in self.jaws)
+        object.__setattr__(self, "jaws", jaws)
         if not len(self.triangles) or not is_closed(self.triangles):
             raise DataError(
                 f"stone '{self.name}': its surface is not closed, so it has no volume; "

@@ -186,6 +186,28 @@ def test_a_stone_in_the_jaws_is_no_choice_unless_it_is_asked_for(stage, database
     assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
 
 
+def test_a_stone_is_planned_with_the_jaws_of_its_likely_grasps(stage, database):
+    """They are in the stone's frame: above it, and to both sides, opened to let it go."""
+    middle = database.stone(1).centroid_map
+    down = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    above = pose(down, middle + [0.0, 0.0, 0.9])
+    grasps = [Grasp(above, 1.0, score, {}) for score in (0.9, 0.6, 0.4)]
+    given = {"structure": WALL, "segmentation": SITE, "for_stone": 1}
+    asked = []
+    for held_by in (grasps, None):
+        stand, planner = on_stage(stage, database, NOTHING)
+        stand.tick(PlanBuilding, **given, held_by=held_by, least_score=0.5)
+        asked += planner.calls("propose")
+    likely, any_way = (call["inventory"][0] for call in asked)
+    assert (len(likely.jaws), any_way.jaws) == (2, ())
+    points = likely.jaws[0]
+    half_m = np.abs(database.stone(1).points_map - middle).max(axis=0)
+    beside = points[points[:, 2] < 0.2]
+    assert (np.abs(beside[:, 1]) > half_m[1]).any()
+    assert points[:, 2].max() > 0.5
+    assert np.abs(points[:, 1].min() + points[:, 1].max()) < 0.1
+
+
 def test_a_stone_that_was_not_seen_since_its_release_makes_the_map_stale(stage, database):
     set_down(database, 1, (-5.0, 6.0, 0.0), is_seen=False)
     stand, planner = on_stage(stage, database, NOTHING)

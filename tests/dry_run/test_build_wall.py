@@ -15,6 +15,7 @@ mocks:
     - {outputs: {stone: 3, free_slots: []}}
     - %s
     - {status: failure, outputs: {ending: complete}}
+  PlanGrasp: {outputs: {grasps: [{score: 0.5}]}}
   KeepFittingGrasps: {outputs: {grasps: [{score: 0.5}]}}
   CloseGripper: [failure, success]
   ForgetPlace: success
@@ -54,7 +55,7 @@ mocks:
   PlanBuilding:
     - {outputs: {stone: 3, free_slots: []}}
     - {status: failure, outputs: {ending: no_stones}}
-  KeepFittingGrasps: {outputs: {grasps: [{score: %s}]}}
+  PlanGrasp: {outputs: {grasps: [{score: %s}]}}
   DetectSlip: success
   VerifyPlacement: success
   SetAside: success
@@ -69,8 +70,8 @@ expect:
 @pytest.mark.parametrize(
     ("score", "ends"),
     [
-        ("0.49", "SetAside: [success], PlanPick: [], FindAgain: []"),
-        ("0.51", "SetAside: [], PlanPick: [success], CloseGripper: [success]"),
+        ("0.49", "SetAside: [success], KeepFittingGrasps: [], FindAgain: []"),
+        ("0.51", "SetAside: [], KeepFittingGrasps: [success]"),
     ],
 )
 def test_a_stone_that_no_grasp_is_likely_to_hold_is_left_without_an_attempt(
@@ -79,7 +80,7 @@ def test_a_stone_that_no_grasp_is_likely_to_hold_is_left_without_an_attempt(
     assert exit_status(monkeypatch, tmp_path, UNLIKELY % (score, ends)) == 0
 
 
-UNTOUCHED = """api: 1
+FITTING = """api: 1
 mocks:
   Localise: success
   SurveySite: success
@@ -87,20 +88,24 @@ mocks:
     - {outputs: {stone: 3, free_slots: []}}
     - {outputs: {stone: 3, free_slots: []}}
     - {status: failure, outputs: {ending: complete}}
-  KeepFittingGrasps: [{status: failure}, {outputs: {grasps: [{score: 0.9}]}}]
+  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
+  KeepFittingGrasps: [%s, {outputs: {grasps: [{score: 0.9}]}}]
   DetectSlip: success
   VerifyPlacement: success
   SomeStonePlaced: success
 expect:
   outcome: success
-  ends: {KeepFittingGrasps: [failure, success], PlanPick: [success], FindAgain: [], SetAside: []}
+  ends: {PlanBuilding: [success, success, failure], PlanGrasp: [success], PlanPick: [success],
+         FindAgain: [], SetAside: []}
 """
 
 
-def test_a_stone_that_no_grasp_fits_is_planned_anew_and_not_looked_for(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize("first", ["{status: failure}", "{outputs: {grasps: [{score: 0.4}]}}"])
+def test_places_are_planned_for_the_jaws_where_no_likely_grasp_fits(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, first: str
 ) -> None:
-    assert exit_status(monkeypatch, tmp_path, UNTOUCHED) == 0
+    """Nobody has touched the stone: it is not looked for."""
+    assert exit_status(monkeypatch, tmp_path, FITTING % first) == 0
 
 
 HELD = """api: 1
@@ -111,6 +116,7 @@ mocks:
     - {outputs: {stone: 3, free_slots: []}}
     - %s
     - {status: failure, outputs: {ending: complete}}
+  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
   KeepFittingGrasps: {outputs: {grasps: [{score: 0.9}]}}
   PlanPlacement: [failure, success]
   DetectSlip: success

@@ -5,7 +5,13 @@ import pytest
 
 from executive.arrays import Float
 from executive.machine.gripper import Gripper
-from executive.machine.jaw_clearance import angle_beside, angle_free_of
+from executive.machine.jaw_clearance import (
+    RELEASE_RAD,
+    angle_beside,
+    angle_free_of,
+    release_angles,
+    released_jaws,
+)
 from executive.machine.machine import load_machine
 
 UP = np.array([-1.0, 0.0, 0.0])  # the palm is above, the tips are below
@@ -88,3 +94,22 @@ def test_a_neighbour_that_is_met_at_each_angle_leaves_the_least_one(gripper: Gri
     tips = [gripper.tips(angle_rad)[0] for angle_rad in np.arange(0.4, 0.95, 0.005)]
     wall = np.array([tip + [-depth_m, 0.0, 0.0] for tip in tips for depth_m in (0.02, 0.05, 0.1)])
     assert angle_beside(gripper, wall, 0.4, 0.9) == 0.4
+
+
+def test_a_stone_is_let_go_from_where_the_tips_pass_it_on(gripper: Gripper) -> None:
+    angles = release_angles(gripper, bar(0.7, 0.5, -0.5), UP)
+    assert gripper.opening_m(float(angles[0])) == pytest.approx(1.0, abs=0.05)
+    assert np.diff(angles) == pytest.approx([RELEASE_RAD / 2, RELEASE_RAD / 2])
+    assert (release_angles(gripper, bar(0.7, 1.5, -1.5), UP) == gripper.open_rad).all()
+
+
+def test_jaws_that_let_a_stone_go_surround_it(gripper: Gripper) -> None:
+    stone = bar(0.7, 0.5, -0.5)
+    points = released_jaws(gripper, stone, UP)
+    tips = gripper.tips(float(release_angles(gripper, stone, UP)[-1]))
+    for tip in tips:
+        assert np.linalg.norm(points - tip, axis=1).min() < 0.06
+    beside = points[(np.abs(points[:, 0] - 0.7) < 0.05)]
+    assert np.abs(beside[:, 1]).min() > 0.45
+    assert points[:, 0].min() < 0.0  # the palm
+    assert np.ptp(points[:, 2]) == pytest.approx(gripper.jaw_width_m, abs=0.05)

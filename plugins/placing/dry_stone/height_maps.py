@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from executive_plugins.placing.dry_stone import drops as measured
 from executive_plugins.placing.dry_stone.drops import DropRules, drops, measured_at
+from executive_plugins.placing.dry_stone.jaw_room import has_room
 from executive_plugins.placing.dry_stone.joints import Joints
 from executive_plugins.placing.dry_stone.orientations import orientations
 from executive_plugins.placing.dry_stone.parts import Place, Places
@@ -123,6 +124,9 @@ class HeightMaps:
             & (found[:, measured.MARGIN] > least_margin_m)
             & (found[:, measured.RISE] <= rules.most_rise_m)
         )
+        if stone.jaws:
+            heights_m = found[fits, measured.HEIGHT]
+            fits[fits] = has_room(wall, nodes[fits], heights_m, stone.jaws, raster.R)
         xy = (nodes[fits] + wall.corner) * wall.cell_m
         origins = np.column_stack([xy, found[fits, measured.HEIGHT]])
         names = {name: found[fits, column] for name, column in _NAMES.items()}
@@ -134,5 +138,7 @@ class HeightMaps:
         over = raster.over[is_stone]
         names["top_gap_m"] = np.full(len(origins), over.max() - over.mean())
         if self._seen is not None:
-            names["joints_closed"] = self._seen[2].closed(origins, raster.R, stone.vertices)
+            joints = self._seen[2]
+            names["joints_closed"] = joints.closed(origins, raster.R, stone.vertices)
+            names["along_m"] = joints.lengths_m(origins, raster.R, stone.vertices)
         return Places(stone, raster.R, origins, names)

@@ -59,6 +59,13 @@ class Joints:
         found = covers.sum(axis=1) - (meets & ~covers).sum(axis=1)
         return np.asarray(np.clip(found, -1, 1), dtype=np.float64)
 
+    def lengths_m(self, origins_map: Float, R: Float, vertices: Float) -> Float:
+        """Return how long a stone is along the structure at places, (P,) [m]; 0 on a cairn."""
+        if len(self._structure.line) == 1:
+            return np.zeros(len(origins_map))
+        begin, end = self._spans(origins_map, vertices @ R.T)
+        return np.asarray(end - begin)
+
     def _over(self, begin: Float, end: Float, z: Float, by_m: float, sign: float) -> Bool:
         """Return which stones lie over which joints by a length, or (sign −1) nearly do, (P, J)."""
         before = self._apart(self.along[None, :], begin[:, None])

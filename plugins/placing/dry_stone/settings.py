@@ -36,6 +36,9 @@ class Weights(Settings):
     joints: float = Field(1.0, ge=-100, le=100, description=(
         "1 if joints of the course below are covered, -1 if they run on through this one."
     ))  # fmt: skip
+    into: float = Field(2.0, ge=-100, le=100, description=(
+        "1 less its length along the structure over that of the inventory's longest stone: stones "
+        "lie with their length into the structure, as masons lay them."))  # fmt: skip
     flat: float = Field(1.0, ge=-100, le=100, description=(
         "1 if its upper side is level, 0 if that is 0.3 m below its highest point in the mean."
     ))  # fmt: skip

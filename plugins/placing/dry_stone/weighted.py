@@ -2,7 +2,8 @@
 
 `volume` less `void` is the stone that a place adds to the structure, and the hollow that it shuts.
 `height` is that of the stone's bottom: that of its top would have flat stones first, and those
-leave a low course.
+leave a low course. `into` has stones lie with their length into the structure: that is how masons
+lay them, as a stone along the face takes the room of two, and rests on less of those below.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,6 +25,8 @@ class Weighted:
 
     def __init__(self, settings: ScorerSettings) -> None:
         self._weights = settings.weights.model_dump()
+        self._inventory: Sequence[SolidStone] = ()
+        self._longest_m = 0.0
 
     def score(
         self, places: Places, built: AsBuilt, inventory: Sequence[SolidStone]
@@ -41,6 +44,14 @@ class Weighted:
             "margin": np.clip(m["support_margin_m"] / _MARGIN_M, 0.0, 1.0),
             "beside": m["beside_share"],
             "joints": m["joints_closed"],
+            "into": 1 - m["along_m"] / self._longest_of(inventory),
             "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),
         }
         return {name: self._weights[name] * value for name, value in terms.items()}
+
+    def _longest_of(self, inventory: Sequence[SolidStone]) -> float:
+        """Return the length of the longest stone [m]; a plan asks for it once an orientation."""
+        if inventory is not self._inventory:
+            self._inventory = inventory
+            self._longest_m = max(float(stone.extents_m[0]) for stone in inventory)
+        return self._longest_m

@@ -5,6 +5,7 @@ import pytest
 from executive_plugins.placing.dry_stone.joints import Joints
 
 from executive.geometry.pose import pose
+from executive.geometry.rotation import about_axis
 from executive.messages.building import AsBuilt, StandingStone
 from executive.messages.height_grid import HeightGrid
 from executive.messages.solid_stone import SolidStone
@@ -88,3 +89,17 @@ def test_joints_of_a_ring_and_across_where_it_closes() -> None:
 def test_a_cairn_has_none() -> None:
     found = joints(np.zeros((1, 2)), along_x(-0.5), along_x(0.5))
     assert closed(found, 0.0) == 0.0
+
+
+@pytest.mark.parametrize(("turn_rad", "length_m"), [(0.0, 1.0), (np.pi / 2, 0.6), (np.pi, 1.0)])
+def test_a_stone_is_as_long_along_a_wall_as_it_is_turned(turn_rad: float, length_m: float) -> None:
+    R, at = about_axis(np.array([0.0, 0.0, 1.0]), turn_rad), np.zeros((2, 3))
+    found = joints(STRAIGHT).lengths_m(at, R, BLOCK.vertices)
+    assert found == pytest.approx([length_m, length_m])
+
+
+def test_a_ring_has_lengths_along_its_line_and_a_cairn_has_none() -> None:
+    at = np.array([[2.0, 0.0, 0.3], [0.0, 2.0, 0.3]])  # the line runs along y, and along x
+    found = joints(RING).lengths_m(at, np.eye(3), BLOCK.vertices)
+    assert found == pytest.approx([0.6, 1.0], abs=0.1)
+    assert not joints(RING[:1]).lengths_m(at, np.eye(3), BLOCK.vertices).any()

@@ -21,18 +21,21 @@ NAMES = (
     "bottom_m",
     "top_gap_m",
     "joints_closed",
+    "along_m",
 )
-WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3, -1.0), strict=True))
-BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), strict=True))
+WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3, -1.0, 2.0),
+                 strict=True))  # fmt: skip
+BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+                strict=True))  # fmt: skip
 BEYOND = {"bottom_m": -0.01, "support_margin_m": 9.0, "depth_m": -1.0}
 FIRST = {"volume": [0.5, 0.5, 0.5], "void": [-1.0, -0.5, 0.0], "joints": [-1.0, 0.0, 1.0]}
-TERMS = {"contact", "void", "height", "face", "interlock", "margin", "beside", "flat", "joints"}
 
 
 def scored(*rows: dict[str, float]) -> dict[str, np.ndarray]:
     """Return the terms without their weights of a stone half as large as the largest."""
     measured = {name: np.array([row[name] for row in rows]) for name in NAMES}
-    stones = [SimpleNamespace(volume_m3=volume) for volume in (0.2, 0.4, 0.1)]
+    stones = [SimpleNamespace(volume_m3=volume, extents_m=(length_m, 0.5, 0.3))
+              for volume, length_m in ((0.2, 1.0), (0.4, 1.5), (0.1, 2.0))]  # fmt: skip
     places = Places(stones[0], np.eye(3), np.zeros((len(rows), 3)), measured)
     built = SimpleNamespace(structure=SimpleNamespace(height_m=1.5))
     settings = ScorerSettings()
