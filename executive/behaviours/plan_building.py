@@ -120,10 +120,7 @@ class PlanBuilding(Action[PlanBuildingSettings]):
                   and _is_within(structure, solid_of[one.id])]  # fmt: skip
         adopted = yield from self._adopted(within)
         standing += adopted
-        free = [one for one in stones if one.state is StoneState.ON_GROUND
-                and one not in adopted and for_stone in (None, one.id)]  # fmt: skip
-        free += [moved(one, to_rest(one, objects)) for one in stones
-                 if one.state is StoneState.HELD and one.id == for_stone]  # fmt: skip
+        free = _free([one for one in stones if one not in adopted], for_stone, objects)
         if for_stone is not None and not free:
             state = next((one.state.value for one in stones if one.id == for_stone), "unknown")
             told = f"stone {for_stone} cannot be placed: it is {state}, neither held nor lying"
@@ -131,10 +128,9 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
         if for_stone is not None:
-            least = -np.inf if least_score is None else least_score
-            grasps = [one.T_map_gripper for one in held_by or () if one.score >= least]
-            grasps += [in_jaws.T_map_gripper] if in_jaws is not None else []
-            solids[for_stone] = self._with_jaws(free[0], solids[for_stone], grasps)
+            grippers = [one.T_map_gripper for one in _likely(held_by or (), least_score)]
+            grippers += [in_jaws.T_map_gripper] if in_jaws is not None else []
+            solids[for_stone] = self._with_jaws(free[0], solids[for_stone], grippers)
         plan = yield from self.context.job(
             self.context.use(StructurePlanner).propose,
             AsBuilt(structure, ground, tuple(as_built.values())),
@@ -151,11 +147,16 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         return self._next(structure, plan, best, solids[best.id], standing)
 
     def _with_jaws(
-        self, stone: Stone, lying: StandingStone, grasps: Sequence[Float]
+        self, stone: Stone, lying: StandingStone, grippers: Sequence[Float]
     ) -> StandingStone:
-        """Return the solid of a stone with the jaws that let it go, of each grasp."""
+        """Return the solid of a stone with the jaws that let it go, of each pose of the gripper.
+
+        The gripper holds the stone as the database has it, and moves with it to where it lies.
+        """
         gripper, jaws = self.context.machine().gripper, []
-        for T_map_gripper in grasps:
+        known = self.context.use(ObjectDatabase).stone(stone.id)
+        T_lying_known = stone.T_map_object @ inverse(known.T_map_object)
+        for T_map_gripper in (T_lying_known @ T for T in grippers):
             surface = transform(inverse(T_map_gripper), stone.points_map)
             points = released_jaws(gripper, surface, T_map_gripper[2, :3])
             jaws.append(transform(inverse(lying.T_map_stone) @ T_map_gripper, points))
@@ -226,6 +227,20 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         )
         told = tell_slots(self.context, slots)
         return succeeded(BuildingStep(stone.id, list(told)), f"stone {stone.id}")
+
+
+def _free(stones: Sequence[Stone], for_stone: int | None, objects: ObjectDatabase) -> list[Stone]:
+    """Return the stones that may be chosen, each as it would rest: held ones tilted back to it."""
+    if for_stone is None:
+        return [one for one in stones if one.state is StoneState.ON_GROUND]
+    asked = [one for one in stones if one.id == for_stone]
+    lying = [one for one in asked if one.state is StoneState.ON_GROUND]
+    held = [one for one in asked if one.state is StoneState.HELD]
+    return lying + [moved(one, to_rest(one, objects)) for one in held]
+
+
+def _likely(grasps: Sequence[Grasp], least_score: float | None) -> list[Grasp]:
+    return [one for one in grasps if least_score is None or one.score >= least_score]
 
 
 def _is_within(structure: Structure, solid: StandingStone) -> bool:

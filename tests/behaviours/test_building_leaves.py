@@ -15,12 +15,14 @@ from executive.interfaces.placing import PlacementPlanner
 from executive.messages.building import BuildPlan, BuildTarget
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
+from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
 from executive.messages.segment import Segmentation
 from executive.messages.stone import StoneState
 from executive.messages.structure import Structure
 
 DOWN = np.array([0.0, 0.0, -1.0])
+HANGING = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # of the gripper
 WALL = Structure("garden", np.array([[-1.0, 6.0], [1.0, 6.0]]), 1.2, 0.6)
 NOTHING = BuildPlan((), "nothing_fits", {"slides_away": 3}, "no place holds any of 2 stones")
 
@@ -170,11 +172,17 @@ def test_a_stone_in_the_jaws_is_planned_in_the_attitude_in_which_it_lay(stage, d
     middle = lying.centroid_map
     database.realign(1, pose(tilt, middle - tilt @ middle), 3.0)
     stand, planner = on_stage(stage, database, BuildPlan((target("1", (0, 6, 0.4)),), None, {}))
-    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=1)
+    # It is held from straight above, as it was in its tilt.
+    T_lying_gripper = pose(HANGING, middle + [0.0, 0.0, 0.9])
+    hold = Hold(1, pose(tilt, middle - tilt @ middle) @ T_lying_gripper, 0.3)
+    given = {"structure": WALL, "segmentation": SITE, "for_stone": 1, "in_jaws": hold}
+    ended = stand.tick(PlanBuilding, **given)
     assert (ended.status, ended.outputs["stone"]) == ("SUCCESS", 1)
     (asked,) = planner.calls("propose")
     (solid,) = asked["inventory"]
     np.testing.assert_allclose(np.ptp(solid.vertices[:, 2]), 0.7, atol=0.01)
+    (jaws,) = solid.jaws
+    assert np.abs(jaws[:, 1].min() + jaws[:, 1].max()) < 0.1  # upright: as far to both sides
     (slot,) = ended.outputs["free_slots"]
     np.testing.assert_allclose(slot.T_map_object[:3, :3], lying.T_map_object[:3, :3], atol=1e-6)
 
@@ -189,8 +197,7 @@ def test_a_stone_in_the_jaws_is_no_choice_unless_it_is_asked_for(stage, database
 def test_a_stone_is_planned_with_the_jaws_of_its_likely_grasps(stage, database):
     """They are in the stone's frame: above it, and to both sides, opened to let it go."""
     middle = database.stone(1).centroid_map
-    down = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    above = pose(down, middle + [0.0, 0.0, 0.9])
+    above = pose(HANGING, middle + [0.0, 0.0, 0.9])
     grasps = [Grasp(above, 1.0, score, {}) for score in (0.9, 0.6, 0.4)]
     given = {"structure": WALL, "segmentation": SITE, "for_stone": 1}
     asked = []
