@@ -8,10 +8,9 @@ _CONDIM, _ROLLING_CONDIM = 4, 6
 _DAMPING_RATIO = 1.0
 _SOLIMP = (0.95, 0.99, 0.002, 0.5, 2.0)
 # Stiffness [1/s²] and damping [1/s] of joints tied to one another, negative as MuJoCo wants them.
-# Forces of constraints are computed without the implicit damping of the drives: where one of the
-# two is held by it, the tie has less than what is asked for. With the critical damping of 200 the
-# right jaw of the M545 swung on at 14 Hz in 20 of 40 postures, by up to 0.04 rad and 45 kN·m; with
-# 300 in 3. A tie four times softer does it as well; more stones fell in the missions that had it.
+# Forces of constraints are computed without the implicit damping of actuators: where one of the two
+# is held by it, as in simulated lifts, the tie has less than what is asked for. Hence 300 and not
+# the critical 200. A tie four times softer lost more stones in the missions that had it.
 _TIE_SOLREF = (-10000.0, -300.0)
 _TIE_SOLIMP = (0.99, 0.999, 0.001, 0.5, 2.0)
 _FREE = mujoco.mjtJoint.mjJNT_FREE

@@ -12,7 +12,7 @@ from executive_plugins.robot.mujoco.machine.hydraulic_arm import (
     HydraulicArm,
     add_friction,
 )
-from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, make_jaw_drive
+from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, KeptJaws
 from executive_plugins.robot.mujoco.machine.legs import Legs, set_footing, set_on_legs
 from executive_plugins.robot.mujoco.machine.wheels import Wheels, set_on_wheels, standing_on
 from executive_plugins.robot.mujoco.physics import apply_physics
@@ -44,7 +44,7 @@ class KeptWorld(TypedDict):
     steps: int
     follower: KeptPath
     arm: Mapping[str, object]
-    jaws: tuple[float, float, float]
+    jaws: KeptJaws
     wheels: KeptBase | None
 
 
@@ -298,7 +298,6 @@ class World:
         if on_wheels:
             base.quat = quaternion_wxyz(self.T_world_base[:3, :3])
         make_servos(spec, self.machine, settings)
-        make_jaw_drive(spec, self.machine)
         if hydraulics is not None:
             add_friction(spec, hydraulics, self.machine)
         if legs is not None:

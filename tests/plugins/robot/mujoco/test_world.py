@@ -196,6 +196,26 @@ def test_jaws_that_have_moved_come_to_rest() -> None:
     assert abs(float(right.qvel[0])) < 0.01
 
 
+@pytest.mark.parametrize("force_n", [2000.0, 35000.0])
+def test_jaws_that_move_keep_their_speed(force_n: float) -> None:
+    """They chattered: the torque of the drive swung between both of its limits, by 179 kN·m."""
+    machine = load_machine("m545")
+    world = level_world(machine)
+    arm_rad = np.array([1.898, 1.03, -0.489, 0.491, -0.313, -0.601, 1.61])
+    world._set_arm(arm_rad)
+    jaw, torques = machine.jaw, []
+    left, right = (world.data.joint(name) for name in (jaw.name, jaw.mirror_name))
+    world.move_jaws(MoveJaws(jaw.upper, force_n))
+    for step in range(640):  # 1.6 s
+        world._substep(arm_rad, np.zeros(len(arm_rad)))
+        if step < 200:
+            continue
+        assert float(left.qvel[0]) == pytest.approx(jaw.max_velocity, abs=0.01)
+        assert float(right.qvel[0]) == pytest.approx(jaw.max_velocity, abs=0.01)
+        torques.append(world.jaws.effort_nm)
+    assert np.ptp(torques) < 1000.0
+
+
 def test_two_runs_with_one_seed_are_equal_bit_for_bit() -> None:
     machine = load_machine("m545")
     settings = SiteSettings(stones=StoneSettings(count=3))
