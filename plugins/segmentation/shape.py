@@ -26,8 +26,15 @@ def moments(points: Float) -> tuple[Float, Float]:
     return mean, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
+def spans(points: Float) -> Float:
+    """Return the extents along the axes of the frame [m], shape (3,)."""
+    # An array as the default of a compiled function is another one in each process to numba's
+    # cache: the function would be compiled in each run, and kept once more.
+    return np.asarray(spans_along(points, _AXES))
+
+
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def spans(points: Float, axes: Float = _AXES) -> Float:
+def spans_along(points: Float, axes: Float) -> Float:
     """Return the extents along axes, given as columns [m], shape (3,)."""
     extents = np.zeros(3)
     if not len(points):
@@ -48,7 +55,7 @@ def principal_extents(points: Float) -> Float:
     shape (3,).
     """
     axes = np.linalg.eigh(moments(points)[1])[1]
-    return np.sort(spans(points, axes))[::-1].copy()
+    return np.sort(spans_along(points, axes))[::-1].copy()
 
 
 def quantile(values: Float, share: float) -> Float:

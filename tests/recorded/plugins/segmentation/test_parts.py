@@ -18,6 +18,7 @@ from executive_plugins.segmentation.shape import (
     planes_through,
     principal_extents,
     spans,
+    spans_along,
 )
 from executive_plugins.segmentation.watershed import basins
 
@@ -40,7 +41,7 @@ def test_shape(recorded) -> None:
             moments(points),
             moments(points[:1]),
             spans(points),
-            spans(points, np.linalg.qr(cloud(3, 3))[0]),
+            spans_along(points, np.linalg.qr(cloud(3, 3))[0]),
             principal_extents(points),
             planes,
             counts_near(points, planes, 0.1),
