@@ -100,10 +100,13 @@ class DrivePressure:
         is_none = np.abs(measured) <= self._none
         if not is_none.any():  # so it is at most times, and what is needed costs the most
             return {}
-        needs, moments = self._needs(path, up_base), self._moments(sample, up_base)
-        is_lost = is_none & (self._directions(needs, moments) != 0)
-        if not is_lost.any():
-            return {}
+        moments, needs = self._moments(sample, up_base), np.empty((0, len(measured)))
+        is_lost = is_none
+        for motion_on_path in path:  # mostly the first one shows already that no effort is needed
+            needs = np.vstack([needs, self._needs([motion_on_path], up_base)])
+            is_lost = is_none & (self._directions(needs, moments) != 0)
+            if not is_lost.any():
+                return {}
         if self._is_carried(measured, is_none, self._needs([motion], up_base), moments):
             return {}
         least = np.abs(needs).min(axis=0)

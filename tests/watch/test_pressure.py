@@ -145,6 +145,18 @@ def test_an_even_swing_is_judged_where_the_machine_leans_and_not_on_level_ground
     assert not any(sound)
 
 
+def test_where_no_effort_is_needed_now_the_motion_before_is_not_looked_at(monkeypatch):
+    """Most samples have a drive without effort, and the efforts of each motion cost the most."""
+    asked = []
+    efforts = Dynamics.efforts
+    watched = Watched(swing(0.0, EVEN))
+    watched.ticks(10, acceleration=0.0)
+    one = sample(watched.stamp_s + TICK_S, watched.path, lost=("J_TURN",), acceleration=0.0)
+    monkeypatch.setattr(Dynamics, "efforts", lambda *a: asked.append(a) or efforts(*a))
+    assert "pressure" not in watched.watch.troubles(one, RULES)
+    assert len(asked) == 2  # of one of three motions, empty and loaded
+
+
 def test_without_a_path_a_tilt_or_measured_efforts_nothing_is_judged():
     lost = {"lost": ARM}
     assert any(Watched(swing(FASTER)).all(**lost))
