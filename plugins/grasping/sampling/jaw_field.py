@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from executive.arrays import Float
 from executive.geometry.convex import half_spaces
-from executive.machine.gripper import Gripper
+from executive.machine.gripper import SIDES, Gripper
 
 NEVER = 255  # progress of a cell that a jaw does not sweep
 _FAR_M = 1e3
@@ -64,9 +64,16 @@ def build_jaw_field(gripper: Gripper, cell_m: float, skin_m: float, steps: int =
     front = np.full((steps, size[1], size[2]), -_FAR_M, dtype=np.float32)
     sweep = np.full((2, *size), NEVER, dtype=np.uint8)
     for k, parts in enumerate(shapes):
-        for side, name in enumerate(("jaw_left", "jaw_right")):
-            grid.sweep(parts[name], k, sweep[side])
-        front[k] = np.maximum(front[max(k - 1, 0)], grid.front(sum(parts.values(), ()), skin_m))
+        # The palm stays where it is: the front of the first progress has it for all.
+        faces = {
+            name: [half_spaces(hull) for hull in hulls]
+            for name, hulls in parts.items()
+            if k == 0 or name in SIDES
+        }
+        for side, name in enumerate(SIDES):
+            grid.sweep(faces[name], k, sweep[side])
+        every = [one for of_part in faces.values() for one in of_part]
+        front[k] = np.maximum(front[max(k - 1, 0)], grid.front(every, skin_m))
     tips = np.array([gripper.tips(float(angle)) for angle in jaw_rad])
     return JawField(
         cell_m=cell_m,
@@ -89,12 +96,15 @@ class _Grid:
         c = low[2] + cell_m * (np.arange(size[2]) + 0.5)
         self._bc = np.stack(np.meshgrid(b, c, indexing="ij"), axis=-1)
 
-    def column(self, vertices: Float, skin_m: float) -> tuple[Float, Float]:
+    def column(self, faces: Float, skin_m: float) -> tuple[Float, Float]:
         """Return the ends of a convex polyhedron along a within each column's square, (B, C) each.
 
         Where it does not fill any part of the column, low > high.
+
+        Args:
+            faces: Its half-spaces, shape (F, 4).
+            skin_m: Distance by which all faces are moved outwards [m].
         """
-        faces = half_spaces(vertices)
         n, d = faces[:, :3], faces[:, 3] + skin_m
         d = d + self._half_m * np.abs(n[:, 1:]).sum(axis=1)  # support of the square
         room = d - self._bc @ n[:, 1:].T  # n_a · a ≤ room
@@ -106,18 +116,18 @@ class _Grid:
         beside = (np.where(along, 0.0, room) < 0).any(axis=-1)
         return np.where(beside, np.inf, low), high
 
-    def front(self, hulls: Iterable[Float], skin_m: float) -> Float:
+    def front(self, polyhedra: Iterable[Float], skin_m: float) -> Float:
         """Return the front of some polyhedra in each column, −1000 in empty ones, shape (B, C)."""
         height = np.full(self._bc.shape[:2], -_FAR_M)
-        for hull in hulls:
-            low, high = self.column(hull, skin_m)
+        for faces in polyhedra:
+            low, high = self.column(faces, skin_m)
             height = np.maximum(height, np.where(low <= high, high, -_FAR_M))
         return height
 
-    def sweep(self, hulls: Iterable[Float], progress: int, field: NDArray[np.uint8]) -> None:
+    def sweep(self, polyhedra: Iterable[Float], progress: int, field: NDArray[np.uint8]) -> None:
         """Record the progress in all cells that one of the polyhedra touches for the first time."""
-        for hull in hulls:
-            low, high = (end[None] for end in self.column(hull, 0.0))
+        for faces in polyhedra:
+            low, high = (end[None] for end in self.column(faces, 0.0))
             a, half = self._a[:, None, None], self._half_m
             touched = (a + half >= low) & (a - half <= high)
             np.minimum(field, np.where(touched, progress, NEVER).astype(np.uint8), out=field)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.grasping.sampling import jaw_field
 from executive_plugins.grasping.sampling.jaw_field import NEVER, JawField, build_jaw_field
 
 from executive.geometry.convex import depth_inside, half_spaces
@@ -69,3 +70,16 @@ def test_a_skin_brings_the_front_forward_by_its_thickness(
 ) -> None:
     thick = build_jaw_field(gripper, CELL_M, 0.1, steps=2)
     assert thick.front[0].max() >= tables.front[0].max() + 0.09
+
+
+def test_each_polyhedron_is_made_once(gripper: Gripper, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The hull of each takes the most of the time, and the palm is the same at each progress."""
+    made = []
+    whole = jaw_field.half_spaces
+    monkeypatch.setattr(jaw_field, "half_spaces", lambda one: made.append(one) or whole(one))
+    steps = 5
+    built = build_jaw_field(gripper, 0.1, 0.03, steps)
+    parts = gripper.hulls(0.0)
+    palm, moving = len(parts["palm"]), len(parts["jaw_left"]) + len(parts["jaw_right"])
+    assert len(made) == palm + steps * moving
+    assert (np.diff(built.front, axis=0) >= 0.0).all()  # the palm is in each
