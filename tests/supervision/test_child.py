@@ -73,3 +73,22 @@ def test_the_file_of_the_call_stack_is_there_as_long_as_the_run():
     is_there, path = found["stack"].split(" ", 1)
     assert is_there == "True"
     assert not Path(path).exists()
+
+
+def test_at_exit_all_is_done_but_taking_the_interpreter_apart(tmp_path):
+    """That takes a second for the objects of a mission."""
+    run = f"""import atexit, threading, time
+    class Torn:
+        def __del__(self):
+            print("torn: apart", flush=True)
+    ctypes.torn = Torn()
+    ctypes.left_open = open({str(tmp_path / "left_open")!r}, "w")
+    ctypes.left_open.write("all of it")
+    atexit.register(print, "at exit: done")
+    threading.Thread(target=lambda: (time.sleep(0.2), print("thread: ended"))).start()
+    return 3"""
+    done, found = lived(run)
+    assert done.returncode == 3
+    assert (found["thread"], found["at exit"]) == ("ended", "done")
+    assert "torn" not in found
+    assert (tmp_path / "left_open").read_text(encoding="utf-8") == "all of it"
