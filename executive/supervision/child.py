@@ -63,6 +63,7 @@ def _leave(page: Beacon) -> None:
     status = page.status()
     if status is None:
         return
+    gc.unfreeze()  # what a run keeps out of the collections
     for one in gc.get_objects():
         if type(one) in _WRITERS and not one.closed:
             with contextlib.suppress(OSError, ValueError):

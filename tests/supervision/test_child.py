@@ -84,6 +84,8 @@ def test_at_exit_all_is_done_but_taking_the_interpreter_apart(tmp_path):
     ctypes.torn = Torn()
     ctypes.left_open = open({str(tmp_path / "left_open")!r}, "w")
     ctypes.left_open.write("all of it")
+    import gc
+    gc.freeze()
     atexit.register(print, "at exit: done")
     threading.Thread(target=lambda: (time.sleep(0.2), print("thread: ended"))).start()
     return 3"""
