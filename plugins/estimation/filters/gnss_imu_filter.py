@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.kept_state import KeptState
+from executive_plugins.estimation.filters.sensor_trial import SensorTrial
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.filters.status_account import (
     FALLBACK,
@@ -90,7 +91,9 @@ class GnssImuFilter(CabinEstimator):
         self._suspected_s = -np.inf  # when something last spoke against the state
         self._moving_s = -np.inf
         self._clock = HeldClock(self._settings.reacquire_after_s)
-        self._kept = KeptState(self._propagator, self._settings.reacquire_after_s, _TRUSTED)
+        kept_s = self._settings.reacquire_after_s
+        self._kept = KeptState(self._propagator, kept_s, _TRUSTED)
+        self._sensors = SensorTrial(self._propagator, self._noise, kept_s, _TRUSTED)
         self._frozen = FrozenSamples()
         self._refusals = GrowingRefusals()
 
@@ -104,6 +107,7 @@ class GnssImuFilter(CabinEstimator):
         self._clock = HeldClock(self._settings.reacquire_after_s)
         self._used_fix_s = found.state.stamp_s
         self._kept.clear()
+        self._sensors.forget()
 
     def _new_trailing(
         self, kalman: ErrorStateFilter, rows: Block
@@ -164,7 +168,11 @@ class GnssImuFilter(CabinEstimator):
             partial(self._correct_by_fix, kalman, position, late_s),
             partial(self._conclude, kalman, position),
         )
-        self._kept.add_fix(position, self._innovations[antenna].known_scale, late_s)
+        scale = self._innovations[antenna].known_scale
+        self._kept.add_fix(position, scale, late_s)
+        if self._can_return:
+            self._sensors.add_fix((stamp_s - late_s, position, scale, late_s), self._ago_s(antenna))
+            self._sensors.follow(trailing, self._suspected_s)
         place = list(self._innovations).index(antenna)
         if not trailing.add_fix(correction, position, place, late_s):
             self._stamp_gate.refuse(antenna, "too late")
@@ -197,7 +205,7 @@ class GnssImuFilter(CabinEstimator):
         """Do what follows from what `judged_fix` says of a fix; return whether it is used."""
         if not said & DOUBTED:
             self._kept.agree_with_filter()
-        elif self._returns(kalman, fix, late_s):
+        elif self._returns(kalman, fix, late_s) or self._finds_wrong_sensor(kalman, fix):
             return True
         if (
             self._is_used(kalman, fix, said)
@@ -233,13 +241,39 @@ class GnssImuFilter(CabinEstimator):
             return False
         if not self._kept.take_over(trailing, fix, scale, late_s):
             return False
-        for record in self._innovations.values():
-            record.renew()
-        self._used_fix_s = kalman.stamp_s
-        self._refusals.clear()
-        self._begin_trust()
+        self._sensors.acquit(kalman)
+        self._renew(kalman.stamp_s)
         self._account.go_back()
         return True
+
+    def _finds_wrong_sensor(self, kalman: ErrorStateFilter, fix: Fix) -> bool:
+        """Let the filter be as if one inertial sensor erred if that alone explains the fixes.
+
+        Returns:
+            Whether the filter is; the fix was used then.
+        """
+        trailing = self._trailing
+        if trailing is None or trailing.kalman is not kalman or not self._can_return:
+            return False
+        cause = self._sensors.take_over(trailing, fix, self._ago_s(fix.antenna))
+        if not cause:
+            return False
+        self._clock.hold(kalman, 0.0)
+        self._renew(kalman.stamp_s)
+        self._suspect(kalman.stamp_s, f"the fixes fit {cause}")
+        return True
+
+    def _renew(self, stamp_s: float) -> None:
+        """Forget what was said of the state before, as another one has used a fix [s]."""
+        for record in self._innovations.values():
+            record.renew()
+        self._used_fix_s = stamp_s
+        self._refusals.clear()
+        self._begin_trust()
+
+    def _ago_s(self, antenna: str) -> float:
+        """Return how long before the fix that shows it an error may have begun [s]."""
+        return max(_STEP_AGO_S, WINDOW * self._periods[antenna].period_s)
 
     def _count_sound(self, count: int, stamp_s: float) -> None:
         """Do what `_count_used` does, for fixes that are in no doubt."""
@@ -283,16 +317,16 @@ class GnssImuFilter(CabinEstimator):
         """
         if not said & DOUBTED:
             return bool(said & USED)
-        record, usual_s = self._innovations[fix.antenna], self._periods[fix.antenna].period_s
+        record = self._innovations[fix.antenna]
         if record.is_alarmed or record.is_biased:
             how = "farther from" if record.is_alarmed else "farther to one side of"
             words = f"fixes of {fix.antenna} lie {how} the prediction than their covariance"
             self._suspect(kalman.stamp_s, f"{words} explains")
-        self._clock.hold(kalman, max(_STEP_AGO_S, WINDOW * usual_s))
+        self._clock.hold(kalman, self._ago_s(fix.antenna))
         lean = record.lean if said & LEANS else None
         if lean is not None:
             _, H, by_clock, noise = compared(kalman)
-            since_s = max(_STEP_AGO_S, lean.lasts * usual_s)
+            since_s = max(_STEP_AGO_S, lean.lasts * self._periods[fix.antenna].period_s)
             kalman.explain(lean.innovation, (H, by_clock), noise, since_s, lean.share)
             for one in self._innovations.values():
                 one.clear_bias()

@@ -104,6 +104,11 @@ class PackedFilter:
         return float(self._gap_s.item())
 
     @property
+    def usual_motion(self) -> tuple[float, float]:
+        """Usual angular velocity [rad/s] and acceleration [m/s²], see `UsualMotion.step`."""
+        return self._usual.step
+
+    @property
     def distance2(self) -> float:
         """Squared Mahalanobis distance of the newest measurement; inf if it has none."""
         return float(self._distance2.item())

@@ -4,15 +4,19 @@ from collections import deque
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.direct_call import direct
 from executive_plugins.estimation.gate.innovation_alarm import binary, chance_limit
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.state import VELOCITY
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.fix_likelihood import (
+    innovation_covariance,
+    log_likelihood,
+    scaled_distance2,
+)
 from executive_plugins.estimation.kalman.layout import Block
-from executive_plugins.estimation.kalman.packed_measurements import compare, correct_by_compared
+from executive_plugins.estimation.kalman.packed_measurements import correct_by_compared
 from executive_plugins.estimation.kalman.packed_prediction import predict_until
 
 from executive.arrays import Float
@@ -22,7 +26,7 @@ _LEFT_OUT = 0.01  # probability of a sound fix that counts as one that disagrees
 # Probability of a sound fix that is refuted by far. It is a hundredth of the one above, so that no
 # noise makes a fix agree after one that was refuted at the limit.
 _FAR = 1e-4
-_predict_until, _compare = direct(predict_until), direct(compare)
+_predict_until = direct(predict_until)
 _correct_by_compared = direct(correct_by_compared)
 
 
@@ -108,13 +112,13 @@ class PredictedCopy:
 
     def _look_at(self, fix: Fix, scale: float, late_s: float) -> None:
         """Hold the copy against a fix."""
-        distance2 = _distance2(self._block, fix, scale, late_s)
+        distance2 = scaled_distance2(self._block, fix, scale, late_s)
         seen = _Seen(self.stamp_s, *_innovation(self._block))
         before, self._seen[fix.antenna] = self._seen.get(fix.antenna), seen
         if distance2 > agreement_limit():
             self._refuted, self._is_back = seen.innovation, False
         elif self._refuted is not None and not self._is_back:
-            refuted2 = squared_distance(_covariance(self._block), self._refuted)
+            refuted2 = squared_distance(innovation_covariance(self._block), self._refuted)
             self._is_back = refuted2 > far_limit() or self._is_step(before, seen)
 
     def _is_step(self, before: _Seen | None, now: _Seen) -> bool:
@@ -139,16 +143,16 @@ class PredictedCopy:
             are more likely by the filter.
         """
         trial = self._trial
-        if trial is not None and _distance2(trial, fix, scale, late_s) > agreement_limit():
+        if trial is not None and scaled_distance2(trial, fix, scale, late_s) > agreement_limit():
             self.disagree()
         if self._trial is None:
-            distance2 = _distance2(self._block, fix, scale, late_s)
+            distance2 = scaled_distance2(self._block, fix, scale, late_s)
             if distance2 > agreement_limit() or not self._is_back:
                 return 0
             self._trial = self._block.copy()
             self._trial["holds_clock"] = 1
         noise = self._trial["noise"][0, :9]
-        self._gain += _log_likelihood(self._trial, noise) - _log_likelihood(kalman.block, noise)
+        self._gain += log_likelihood(self._trial, noise) - log_likelihood(kalman.block, noise)
         _correct_by_compared(self._trial, float("inf"))
         self._agreed += 1
         return self._agreed if self._gain > 0.0 else 0
@@ -164,36 +168,10 @@ class PredictedCopy:
             kalman.forget_object()
 
 
-def _distance2(block: Block, fix: Fix, scale: float, late_s: float) -> float:
-    """Return the squared distance of a fix from a state; see `PredictedCopy.add_fix`."""
-    _compare(block, fix.arm_imu, fix.p_map_antenna, fix.covariance, late_s)
-    block["noise"][0, :9] *= scale
-    return squared_distance(_covariance(block), block["residual"][0, :3])
-
-
-def _log_likelihood(block: Block, noise: Float) -> float:
-    """Return the logarithm of an innovation's density, but for a constant.
-
-    Args:
-        block: What was compared with the fix.
-        noise: Covariance of the fix [m²], shape (9,).
-    """
-    row = block[0]
-    S = (row["predicted"][:9] + noise).reshape(3, 3)
-    return -0.5 * (squared_distance(S, row["residual"][:3]) + float(np.linalg.slogdet(S)[1]))
-
-
 def _innovation(block: Block) -> tuple[Float, Float]:
     """Return the innovation that was compared last, shape (3,), and its noise, shape (3, 3)."""
     row = block[0]
     return row["residual"][:3].copy(), row["noise"][:9].reshape(3, 3).copy()
-
-
-def _covariance(block: Block) -> Float:
-    """Return the covariance of the innovation that was compared last, shape (3, 3)."""
-    row = block[0]
-    S: Float = (row["predicted"][:9] + row["noise"][:9]).reshape(3, 3)
-    return S
 
 
 @lru_cache(maxsize=1)
