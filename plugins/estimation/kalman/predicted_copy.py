@@ -4,30 +4,36 @@ from collections import deque
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.direct_call import direct
 from executive_plugins.estimation.gate.innovation_alarm import binary, chance_limit
 from executive_plugins.estimation.gate.measurements import Fix
-from executive_plugins.estimation.inertial.state import VELOCITY
+from executive_plugins.estimation.inertial.state import (
+    ACCEL_BIAS,
+    GYRO_BIAS,
+    ROTATION,
+    VELOCITY,
+)
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_likelihood import (
     innovation_covariance,
     log_likelihood,
     scaled_distance2,
 )
+from executive_plugins.estimation.kalman.gradual_correction import correct_gradually
 from executive_plugins.estimation.kalman.layout import Block
-from executive_plugins.estimation.kalman.packed_measurements import correct_by_compared
 from executive_plugins.estimation.kalman.packed_prediction import predict_until
 
 from executive.arrays import Float
 from executive.geometry import chi_square
+from executive.geometry.rotation import skew
 
 _LEFT_OUT = 0.01  # probability of a sound fix that counts as one that disagrees
 # Probability of a sound fix that is refuted by far. It is a hundredth of the one above, so that no
 # noise makes a fix agree after one that was refuted at the limit.
 _FAR = 1e-4
 _predict_until = direct(predict_until)
-_correct_by_compared = direct(correct_by_compared)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +77,7 @@ class PredictedCopy:
         self._first, self._agreed = first, 0
         self._gain = 0.0  # of the fixes that agree: by how much more likely the copy makes them
         self._waiting: deque[tuple[float, Fix, float, float]] = deque()
-        self._seen: dict[str, _Seen] = {}  # the newest of each antenna
+        self._seen: dict[str, tuple[_Seen, ...]] = {}  # the newest two of each antenna
         self._refuted: Float | None = None  # innovation of the newest fix that was refuted
         self._is_back = False  # whether fixes agree again after one that was refuted
 
@@ -114,22 +120,45 @@ class PredictedCopy:
         """Hold the copy against a fix."""
         distance2 = scaled_distance2(self._block, fix, scale, late_s)
         seen = _Seen(self.stamp_s, *_innovation(self._block))
-        before, self._seen[fix.antenna] = self._seen.get(fix.antenna), seen
+        before = self._seen.get(fix.antenna, ())
+        self._seen[fix.antenna] = (*before[-1:], seen)
         if distance2 > agreement_limit():
             self._refuted, self._is_back = seen.innovation, False
         elif self._refuted is not None and not self._is_back:
             refuted2 = squared_distance(innovation_covariance(self._block), self._refuted)
             self._is_back = refuted2 > far_limit() or self._is_step(before, seen)
 
-    def _is_step(self, before: _Seen | None, now: _Seen) -> bool:
-        """Return whether fixes have moved by what neither noise nor the copy's drift explains."""
-        if before is None:
+    def _is_step(self, before: tuple[_Seen, ...], now: _Seen) -> bool:
+        """Return whether fixes have moved by what neither noise nor the copy's drift explains.
+
+        Two fixes before tell the drift: what the copy's velocity errs is the same in both spans.
+        """
+        if not before:
             return False
-        row, since_s = self._block[0], now.stamp_s - before.stamp_s
-        drift = since_s * row["R"]
-        covariance = before.noise + now.noise + drift @ row["P"][VELOCITY, VELOCITY] @ drift.T
-        step2 = squared_distance(covariance, now.innovation - before.innovation)
-        return step2 > chance_limit(binary(since_s))
+        newest, since_s = before[-1], now.stamp_s - before[-1].stamp_s
+        step, noise = now.innovation - newest.innovation, now.noise + newest.noise
+        if len(before) > 1 and newest.stamp_s > before[0].stamp_s:
+            ratio = since_s / (newest.stamp_s - before[0].stamp_s)
+            step = step - ratio * (newest.innovation - before[0].innovation)
+            noise = now.noise + (1.0 + ratio) ** 2 * newest.noise + ratio**2 * before[0].noise
+            drift = self._bend(since_s, since_s / ratio)
+        else:
+            R = since_s * self._block[0]["R"]
+            drift = R @ self._block[0]["P"][VELOCITY, VELOCITY] @ R.T
+        return squared_distance(noise + drift, step) > chance_limit(binary(since_s))
+
+    def _bend(self, since_s: float, before_s: float) -> Float:
+        """Return the covariance of how far the copy's acceleration bends its way over two spans.
+
+        The acceleration errs by the attitude, which turns by the gyroscope's bias meanwhile, and by
+        the accelerometer's bias [m²], shape (3, 3).
+        """
+        row, time2_s2 = self._block[0], 0.5 * since_s * (since_s + before_s)
+        P, R = row["P"], row["R"]
+        pull = R @ skew(row["sample"]["force"] - row["accel_bias"])
+        turned = P[ROTATION, ROTATION] + (since_s + before_s) ** 2 * P[GYRO_BIAS, GYRO_BIAS]
+        acceleration = pull @ turned @ pull.T + R @ P[ACCEL_BIAS, ACCEL_BIAS] @ R.T
+        return np.asarray(time2_s2**2 * acceleration)
 
     def take(self, kalman: ErrorStateFilter, fix: Fix, scale: float, late_s: float) -> int:
         """Compare with a fix that is in doubt for the filter, at the time of both.
@@ -153,7 +182,7 @@ class PredictedCopy:
             self._trial["holds_clock"] = 1
         noise = self._trial["noise"][0, :9]
         self._gain += log_likelihood(self._trial, noise) - log_likelihood(kalman.block, noise)
-        _correct_by_compared(self._trial, float("inf"))
+        correct_gradually(self._trial, fix, scale, late_s)
         self._agreed += 1
         return self._agreed if self._gain > 0.0 else 0
 

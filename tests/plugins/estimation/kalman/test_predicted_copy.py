@@ -68,6 +68,17 @@ def test_a_copy_that_has_become_uncertain_does_not_agree_with_what_it_refuted() 
     assert [agreed(copy, t, 0.0) for t in (2.15, 2.2, 2.25)] == [1, 2, 3]
 
 
+@pytest.mark.parametrize("by_m", [0.0, -0.3])
+def test_a_small_step_back_is_told_by_two_fixes_before_it(by_m: float) -> None:
+    """The copy's velocity is known to 1 m/s: a drift as large is no step, and hides none."""
+    copy, drift_m_s, kalman = PredictedCopy(body(1.0), 0), 0.5, body(0.01, 9.0)
+    assert agreed(copy, 0.05, 0.3 + drift_m_s * 0.05) == 0
+    stamps_s = np.arange(40, 81) / 10
+    assert max(agreed(copy, t, 0.3 + drift_m_s * t, 1.0, kalman) for t in stamps_s) == 0
+    after = [agreed(copy, t, 0.3 + drift_m_s * t + by_m, 1.0, kalman) for t in (8.1, 8.2, 8.3)]
+    assert after == ([1, 2, 3] if by_m else [0, 0, 0])
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_noise_at_the_limit_does_not_bring_fixes_back(seed: int) -> None:
     """The covariance grows past a jump that stays, and the noise crosses the limit both ways."""
