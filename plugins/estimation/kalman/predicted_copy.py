@@ -137,11 +137,12 @@ class PredictedCopy:
             return False
         newest, since_s = before[-1], now.stamp_s - before[-1].stamp_s
         step, noise = now.innovation - newest.innovation, now.noise + newest.noise
-        if len(before) > 1 and newest.stamp_s > before[0].stamp_s:
-            ratio = since_s / (newest.stamp_s - before[0].stamp_s)
+        before_s = newest.stamp_s - before[0].stamp_s
+        if before_s > 0.0:
+            ratio = since_s / before_s
             step = step - ratio * (newest.innovation - before[0].innovation)
             noise = now.noise + (1.0 + ratio) ** 2 * newest.noise + ratio**2 * before[0].noise
-            drift = self._bend(since_s, since_s / ratio)
+            drift = self._bend(since_s, before_s)
         else:
             R = since_s * self._block[0]["R"]
             drift = R @ self._block[0]["P"][VELOCITY, VELOCITY] @ R.T

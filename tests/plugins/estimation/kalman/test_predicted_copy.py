@@ -79,6 +79,11 @@ def test_a_small_step_back_is_told_by_two_fixes_before_it(by_m: float) -> None:
     assert after == ([1, 2, 3] if by_m else [0, 0, 0])
 
 
+def test_a_fix_that_comes_twice_is_no_step() -> None:
+    copy = PredictedCopy(body(1.0), 0)
+    assert [agreed(copy, t, 0.3) for t in (0.05, 2.0, 2.1, 2.1)] == [0, 0, 0, 0]
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_noise_at_the_limit_does_not_bring_fixes_back(seed: int) -> None:
     """The covariance grows past a jump that stays, and the noise crosses the limit both ways."""
