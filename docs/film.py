@@ -5,7 +5,7 @@ picture.
     python docs/film.py wall [SEED]
 
 `cycle` is a mission of three stones until the first one is placed and looked at again, with the
-slots that it found; the README shows seed 12511. `wall` is `build_wall` until its structure is
+slots that it found; the README shows seed 12601. `wall` is `build_wall` until its structure is
 ended; `walls.md` shows seed 15106. The states are drawn at the true poses. Two minutes of processor
 time, and ten.
 """
