@@ -18,10 +18,10 @@ class FittingGrasps:
     """Grasps that suit a place.
 
     Attributes:
-        grasps: Those with a placement on one of the slots, best first.
+        fitting: Those with a placement on one of the slots, best first.
     """
 
-    grasps: list[Grasp]
+    fitting: list[Grasp]
 
 
 class KeepFittingGrasps(Action):

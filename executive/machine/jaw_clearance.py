@@ -5,7 +5,6 @@ import numpy as np
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.hull_mesh import hull_mesh
-from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
 
 RELEASE_RAD = 0.2  # by which jaws open at least to let a stone go: 20 cm at the M545's tips
@@ -70,6 +69,8 @@ def released_jaws(gripper: Gripper, stone_gripper: Float, up_gripper: Float) -> 
     There is one in each cell of 5 cm that their surfaces pass. The arguments are those of
     `release_angles`.
     """
+    from executive.geometry.voxels import first_in_cells  # slow to import: a mission needs none
+
     angles = release_angles(gripper, stone_gripper, up_gripper)
     parts = [hull for angle in angles[[0, -1]] for hull in _jaws(gripper, float(angle))]
     parts += [shape.vertices for shape in gripper.palm_shapes]

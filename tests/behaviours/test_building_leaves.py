@@ -252,7 +252,7 @@ def test_grasps_that_suit_no_slot_are_left_out(stage, database, fitting):
     grasps = [grasp(1.0), grasp(2.0)]
     ended = stand.tick(KeepFittingGrasps, stone=1, grasps=grasps, free_slots=slots)
     if fitting:
-        assert (ended.status, ended.outputs) == ("SUCCESS", {"grasps": grasps[1:]})
+        assert (ended.status, ended.outputs) == ("SUCCESS", {"fitting": grasps[1:]})
     else:
         assert ended.status == "FAILURE"
         assert "none of 2 grasps of stone 1" in ended.reason

@@ -78,7 +78,11 @@ def test_a_scorer_of_a_user_changes_which_stone_is_first(
     larger = (stones / "1.obj").read_text(encoding="utf-8").replace("0.4 ", "0.45 ")
     (stones / "1.obj").write_text(larger, encoding="utf-8")
     wall, out = tmp_path / "wall.yaml", tmp_path / "out.json"
-    unchecked = "{plugin: dry_stone, check: {part: none}, generator: {sides: 1, turns: 2}}"
+    # By its volume alone: the larger stone is longer, too.
+    unchecked = (
+        "{plugin: dry_stone, check: {part: none}, generator: {sides: 1, turns: 2}, "
+        "scorer: {weights: {into: 0}}}"
+    )
     wall.write_text(WALL.replace("{plugin: side_by_side}", unchecked), encoding="utf-8")
     words = stones, wall, "--out", out, "--judge", "none", "--set", f"building.scorer.part={part}"
     assert place(monkeypatch, *words) == 0

@@ -16,7 +16,7 @@ mocks:
     - %s
     - {status: failure, outputs: {ending: complete}}
   PlanGrasp: {outputs: {grasps: [{score: 0.5}]}}
-  KeepFittingGrasps: {outputs: {grasps: [{score: 0.5}]}}
+  KeepFittingGrasps: {outputs: {fitting: [{score: 0.5}]}}
   CloseGripper: [failure, success]
   ForgetPlace: success
   DetectSlip: success
@@ -89,7 +89,7 @@ mocks:
     - {outputs: {stone: 3, free_slots: []}}
     - {status: failure, outputs: {ending: complete}}
   PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
-  KeepFittingGrasps: [%s, {outputs: {grasps: [{score: 0.9}]}}]
+  KeepFittingGrasps: [%s, {outputs: {fitting: [{score: 0.9}]}}]
   DetectSlip: success
   VerifyPlacement: success
   SomeStonePlaced: success
@@ -100,7 +100,7 @@ expect:
 """
 
 
-@pytest.mark.parametrize("first", ["{status: failure}", "{outputs: {grasps: [{score: 0.4}]}}"])
+@pytest.mark.parametrize("first", ["{status: failure}", "{outputs: {fitting: [{score: 0.4}]}}"])
 def test_places_are_planned_for_the_jaws_where_no_likely_grasp_fits(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, first: str
 ) -> None:
@@ -117,7 +117,7 @@ mocks:
     - %s
     - {status: failure, outputs: {ending: complete}}
   PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
-  KeepFittingGrasps: {outputs: {grasps: [{score: 0.9}]}}
+  KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
   PlanPlacement: [failure, success]
   DetectSlip: success
   ForgetPlace: success

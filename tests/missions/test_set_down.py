@@ -84,7 +84,7 @@ def test_a_stone_that_is_in_doubt_gets_a_scan_of_its_own(command_line, tmp_path)
         command_line, tmp_path,
         "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
         "  RelocateAndRealign: [failure, success]", "  DetectSlip: success",
-        "  VerifyPlacement: success",
+        "  VerifyPlacement: success", "  ForgetPlace: success",
         "expect:", f"  visited: [{SEEN}/1:sequence/2:RelocateAndRealign]",
         f"  not_visited: [{SEEN}/2:sequence, look_again]",
     )  # fmt: skip
