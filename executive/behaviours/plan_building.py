@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import Field
 
-from executive.arrays import Float
 from executive.config import Meters, Settings
 from executive.events.site import BuildingEnded, BuildingPlanned
 from executive.geometry.pose import inverse, transform
@@ -128,9 +127,8 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
         if for_stone is not None:
-            grippers = [one.T_map_gripper for one in _likely(held_by or (), least_score)]
-            grippers += [in_jaws.T_map_gripper] if in_jaws is not None else []
-            solids[for_stone] = self._with_jaws(free[0], solids[for_stone], grippers)
+            held = _likely(held_by or (), least_score) if in_jaws is None else [in_jaws]
+            solids[for_stone] = self._with_jaws(free[0], solids[for_stone], held)
         plan = yield from self.context.job(
             self.context.use(StructurePlanner).propose,
             AsBuilt(structure, ground, tuple(as_built.values())),
@@ -143,20 +141,19 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         if not plan.targets:
             told = plan.detail or "no place holds any stone"
             return self._over(structure, str(plan.reason), told, standing, plan.refused)
-        best = next(one for one in free if str(one.id) == plan.targets[0].stone)
-        return self._next(structure, plan, best, solids[best.id], standing)
+        return self._next(structure, plan, free, solids, standing)
 
     def _with_jaws(
-        self, stone: Stone, lying: StandingStone, grippers: Sequence[Float]
+        self, stone: Stone, lying: StandingStone, held: Sequence[Grasp | Hold]
     ) -> StandingStone:
-        """Return the solid of a stone with the jaws that let it go, of each pose of the gripper.
+        """Return the solid of a stone with the jaws that let it go, of each way to hold it.
 
         The gripper holds the stone as the database has it, and moves with it to where it lies.
         """
         gripper, jaws = self.context.machine().gripper, []
         known = self.context.use(ObjectDatabase).stone(stone.id)
         T_lying_known = stone.T_map_object @ inverse(known.T_map_object)
-        for T_map_gripper in (T_lying_known @ T for T in grippers):
+        for T_map_gripper in (T_lying_known @ one.T_map_gripper for one in held):
             surface = transform(inverse(T_map_gripper), stone.points_map)
             points = released_jaws(gripper, surface, T_map_gripper[2, :3])
             jaws.append(transform(inverse(lying.T_map_stone) @ T_map_gripper, points))
@@ -205,12 +202,14 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         self,
         structure: Structure,
         plan: BuildPlan,
-        stone: Stone,
-        lying: StandingStone,
+        free: Sequence[Stone],
+        solids: Mapping[int, StandingStone],
         standing: Sequence[Stone],
     ) -> Outcome[BuildingStep]:
         """Return the stone of the best target, and its targets as slots."""
         best = plan.targets[0]
+        stone = next(one for one in free if str(one.id) == best.stone)
+        lying = solids[stone.id]
         targets = [one for one in plan.targets if one.stone == best.stone]
         slots = [_slot(n, one, lying, stone) for n, one in enumerate(targets, 1)]
         self.context.record(
