@@ -80,7 +80,7 @@ def fit(
         refusal = f"a correction of {shift_m:.2f} m is more than {settings.max_shift:.2f} m"
     if not refusal:
         surface = aligned.apply(stone.points_map)
-        refusal = yield from context.job(form_refusal, around, surface, settings)
+        refusal = yield from context.job(form_refusal, around, surface, settings, True)
     if not refusal:
         return Fitted("alignment", aligned, "")
     wider = yield from unexplained(context, stone.id, settings.search_radius)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from executive.leaf.form_evidence import FormSettings, form_evidence, is_refuted
+from executive.leaf.form_evidence import FormSettings, form_evidence, form_refusal, is_refuted
 from executive.messages.cloud import Cloud
 
 REACH_M = 0.3
@@ -72,6 +72,16 @@ def test_what_lies_on_a_stone_does_not_refute_it_and_another_stone_in_its_place_
     assert refuted(np.vstack([seen + [0.06, 0.0, 0.0], beside]), model)
     assert refuted(beside, model)
     assert refuted(noisy(view(ellipsoid([0.43, 0.43, 0.38], seed=2))), model)
+
+
+def test_sides_that_nobody_had_seen_do_not_hide_a_stone_that_was_put_there(model):
+    """Known from one side, and seen from the top and the sides next to it."""
+    known, settings = model[model @ [0.9, -0.3, 0.3] > 0.05], FormSettings()
+    seen = noisy(view(ellipsoid([0.5, 0.4, 0.35], seed=2)))
+    assert "of what the map shows there" in form_refusal(Cloud("map", seen), known, settings)
+    assert form_refusal(Cloud("map", seen), known, settings, is_expected=True) == ""
+    moved = Cloud("map", seen + [0.06, 0.0, 0.0])
+    assert "of its own surface" in form_refusal(moved, known, settings, is_expected=True)
 
 
 def test_an_empty_place_refutes_a_stone_and_a_few_points_of_it_do_not(model):

@@ -5,7 +5,9 @@ and one across them. Models are those of earlier looks at each block alone. The 
 leaves, `gicp` from where the stone is expected: the map's points of the stones below are left out,
 and what is left beside the fitted model has to be likelier of it than of another stone. The wrong
 stones have the volume of the right one, and lie flat at its place under eight headings. The same is
-measured without these two steps, without a bound.
+measured without these two steps, without a bound. A stone that was put there and is known from two
+sides is tried besides, where it stands and where it has rolled over: for it the known surface is
+enough.
 """
 
 import sys

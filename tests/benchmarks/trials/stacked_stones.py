@@ -18,7 +18,7 @@ from executive.geometry.rotation import about_axis, exp_so3
 from executive.geometry.voxels import voxel_means
 from executive.interfaces.alignment import Aligner
 from executive.leaf.fitting import FittingSettings
-from executive.leaf.form_evidence import form_evidence
+from executive.leaf.form_evidence import form_refusal
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
 
@@ -27,8 +27,9 @@ GAP_M = 0.1  # between the two stones below
 NOISE_M, CELL_M = 0.012, 0.03  # of the ranges; of the map
 OFF_M, OFF_RAD = 0.05, 0.05  # of the expected pose along and about each axis
 FITTING = FittingSettings()
-REACH_M, MARGIN_M, LEAST = FITTING.max_distance, FITTING.margin, np.log(FITTING.min_likelihood)
+REACH_M, MARGIN_M = FITTING.max_distance, FITTING.margin
 HEADINGS = 8
+ROLLS, ROLL_RAD = 3, (0.44, 2.1)  # of a stone that has turned over beside its place, 25° to 120°
 RIGHT_M = 0.10  # of any point of the model
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -40,10 +41,16 @@ class Trial:
     Attributes:
         seen: Whether the right stone was accepted, and each point of it within 10 cm.
         wrong: How many wrong fits were accepted: of another stone, or of the right one elsewhere.
+        partly: The same of a stone that was put there and is known from two sides only, by the
+            whole form and by its known surface: whether it was seen.
+        rolled: How many wrong fits of it were accepted where it had rolled over, out of `ROLLS`,
+            by either.
     """
 
     seen: tuple[bool, bool]
     wrong: tuple[int, int]
+    partly: tuple[bool, bool]
+    rolled: tuple[int, int]
 
 
 def trial(seed: int) -> Trial:
@@ -71,7 +78,38 @@ def trial(seed: int) -> Trial:
         wrong.append(
             int(RIGHT_M <= error_m < np.inf) + _strangers(scene, models[:2], stranger, leave_out)
         )
-    return Trial((seen[0], seen[1]), (wrong[0], wrong[1]))
+    partly, rolled = _known_partly(below, top, models[:2], rng)
+    return Trial((seen[0], seen[1]), (wrong[0], wrong[1]), partly, rolled)
+
+
+def _known_partly(
+    below: Sequence[Float], top: Float, models: Sequence[Float], rng: np.random.Generator
+) -> tuple[tuple[bool, bool], tuple[int, int]]:
+    """Try a stone known from two sides, where it was put, and where it has rolled over there."""
+    middle, lidars = top.mean(axis=0), _lidars(rng)
+    known = voxel_means(_view([top], rng, _around(middle)[:2]), CELL_M)
+    centre = known.mean(axis=0)
+    off = pose(exp_so3(rng.normal(0, OFF_RAD, 3)), rng.normal(0, OFF_M, 3))
+    expected = transform(off, known - centre) + centre
+
+    def right(shape: Float, truth: Float) -> list[bool | None]:
+        """Return whether the fits are right, by the whole form and by the known surface."""
+        scene = voxel_means(_view([*below, shape], rng, lidars), CELL_M)
+        errors = []
+        for is_expected in (False, True):
+            T = _fitted(scene, [*models, expected], True, is_expected)
+            errors.append(None if T is None else np.abs(transform(T, expected) - truth).max())
+        return [None if one is None else bool(one < RIGHT_M) for one in errors]
+
+    here, wrong = right(top, known), np.zeros(2, dtype=int)
+    for _ in range(ROLLS):
+        axis = about_axis(UP, rng.uniform(0, 2 * np.pi))[0]
+        R = exp_so3(rng.uniform(*ROLL_RAD) * axis)
+        shape = (top - middle) @ R.T + middle + [*rng.normal(0, 0.1, 2), 0]
+        lowered = np.array([0, 0, top[:, 2].min() - shape[:, 2].min()])
+        truth = (known - middle) @ R.T + (shape + lowered).mean(axis=0)
+        wrong += [one is False for one in right(shape + lowered, truth)]
+    return (bool(here[0]), bool(here[1])), (int(wrong[0]), int(wrong[1]))
 
 
 def _strangers(scene: Float, below: Sequence[Float], stranger: Float, leave_out: bool) -> int:
@@ -84,7 +122,9 @@ def _strangers(scene: Float, below: Sequence[Float], stranger: Float, leave_out:
     return accepted
 
 
-def _fitted(scene: Float, models: Sequence[Float], leave_out: bool) -> Float | None:
+def _fitted(
+    scene: Float, models: Sequence[Float], leave_out: bool, is_expected: bool = False
+) -> Float | None:
     """Return the fit of the last model as the leaves make it, or without their two steps against
     the stones below; None if it is refused.
     """
@@ -105,8 +145,8 @@ def _fitted(scene: Float, models: Sequence[Float], leave_out: bool) -> Float | N
     found = aligner.align(around, Cloud("map", source), np.eye(4), REACH_M)
     if not found.accepted:
         return None
-    form = form_evidence(around.points, found.apply(source), REACH_M)
-    return found.T_target_source if form.log_ratio >= LEAST or not leave_out else None
+    refusal = form_refusal(around, found.apply(source), FITTING, is_expected)
+    return None if refusal and leave_out else found.T_target_source
 
 
 def _stacked(shapes: Sequence[Float], rng: np.random.Generator) -> list[Float]:
@@ -160,9 +200,20 @@ def figures(trials: Sequence[Trial]) -> list[Figure]:
     seen, before = (sum(one.seen[k] for one in trials) for k in (0, 1))
     wrong, wrong_before = (sum(one.wrong[k] for one in trials) for k in (0, 1))
     fits = n * (HEADINGS + 1)
+    partly, partly_whole = (sum(one.partly[k] for one in trials) for k in (1, 0))
+    rolled, rolled_whole = (sum(one.rolled[k] for one in trials) for k in (1, 0))
     return [
         held("right stones seen", seen / n, Bound(0.95, is_least=True), f"{seen} of {n}"),
         held("false recognitions", wrong, Bound(0), f"{wrong} of {fits}"),
+        held(
+            "stones known from two sides seen",
+            partly / n,
+            Bound(0.75, is_least=True),
+            f"{partly} of {n}",
+        ),
+        held("of them, rolled over, taken to stand", rolled, Bound(0), f"{rolled} of {ROLLS * n}"),
+        Figure("stones known from two sides seen, by the whole form", f"{partly_whole} of {n}"),
+        Figure("of them, rolled over, by the whole form", f"{rolled_whole} of {ROLLS * n}"),
         Figure("right stones seen, without these two steps", f"{before} of {n}"),
         Figure("false recognitions, without these two steps", f"{wrong_before} of {fits}"),
     ]
