@@ -36,14 +36,21 @@ class ReleaseStoneSettings(Settings):
         None, gt=0, description="Force at each tip [N]; by default the gripper's own."
     )
     clearance: Radians = Field(
-        RELEASE_RAD, gt=0, le=2, description="Least opening beyond that of the hold [rad]."
+        0.2, gt=0, le=2, description="Opening beyond that of the hold where there is room [rad]."
+    )
+    least: Radians = Field(
+        RELEASE_RAD / 2,
+        gt=0,
+        le=2,
+        description="Opening beyond that of the hold beside other stones, however near they are "
+        "[rad]; 7 cm at each of the M545's tips.",
     )
     room: Meters = Field(
         0.05,
         ge=0,
         le=0.5,
-        description="Room between each tip and the stone on the way up [m]: of the errors of its "
-        "pose and of the surface that was seen.",
+        description="Room between each tip and the stone on the way up, and between the jaws and "
+        "other stones [m]: of the errors of its pose and of the surfaces that were seen.",
     )
 
 
@@ -51,7 +58,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
     """Open the jaws a little, and move the stone's model by the gripper's motion since the grasp.
 
     The jaws open only until their tips rise past the stone, because jaws that open wide beside
-    another stone push it away; where that stone is in the way, they open as far as there is room.
+    another stone push it away; where that stone is in the way, they open as far as there is room,
+    and at least until the tips just pass the stone.
     Source: Mascaro et al. 2020, Eq. 3. Deviation from the paper: the model of a stone that is
     released without a placement is lowered to the ground below, because nothing holds it in the
     air; a stone that has slid out of the jaws did not rise with them. A stone of which a monitor
@@ -93,15 +101,17 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
     def _opening_rad(self, hold: Hold, T_map_gripper: Float) -> float:
         """Return the angle at which the jaws come free of the stone, as far as there is room."""
         gripper, objects = self.context.machine().gripper, self.context.use(ObjectDatabase)
-        least_rad = min(hold.jaw_rad + self.settings.clearance, gripper.open_rad)
+        s, held_rad, open_rad = self.settings, hold.jaw_rad, gripper.open_rad
+        wanted_rad = min(held_rad + s.clearance, open_rad)
         if objects.stone(hold.stone_id).state is not StoneState.HELD:  # resumed after the release
-            return least_rad
+            return wanted_rad
         surface, up = held_surface(self.context, hold), T_map_gripper[2, :3]
-        free_rad = angle_free_of(gripper, surface, up, least_rad, self.settings.room)
+        wanted_rad = angle_free_of(gripper, surface, up, wanted_rad, s.room)
+        least_rad = angle_free_of(gripper, surface, up, min(held_rad + s.least, wanted_rad), 0.0)
         radius_m = float(np.linalg.norm(gripper.tips(gripper.open_rad), axis=1).max())
         others = objects.surface_within(T_map_gripper[:3, 3], radius_m, hold.stone_id)
         others_gripper = transform(inverse(T_map_gripper), others)
-        return angle_beside(gripper, others_gripper, least_rad, free_rad)
+        return angle_beside(gripper, others_gripper, least_rad, wanted_rad, s.room)
 
     def _released(
         self, hold: Hold, T_map_gripper: Float, placement: Placement | None

@@ -7,7 +7,9 @@ from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.hull_mesh import hull_mesh
 from executive.machine.gripper import Gripper
 
-RELEASE_RAD = 0.2  # by which jaws open at least to let a stone go: 20 cm at the M545's tips
+# By which jaws open at a place that has room for them. At the M545's tips it is 15 cm: half of it
+# lets the stone go (`ReleaseStone`), the other half is 2.5 standard deviations of a release.
+RELEASE_RAD = 0.12
 _APART_M = 0.05  # of points on the jaws: a cell of the height maps
 _STEP_RAD = 0.02  # 4 cm at the tips of the M545's gripper
 
@@ -92,26 +94,27 @@ def _on_surface(corners: Float) -> Float:
 
 
 def angle_beside(
-    gripper: Gripper, others_gripper: Float, least_rad: float, wanted_rad: float
+    gripper: Gripper, others_gripper: Float, least_rad: float, wanted_rad: float, room_m: float
 ) -> float:
-    """Return the largest jaw angle up to a wanted one at which no jaw meets other stones [rad].
+    """Return the largest jaw angle up to a wanted one at which no jaw nears other stones [rad].
 
     Args:
         gripper: The gripper.
         others_gripper: Surfaces of other stones in the gripper's frame [m], shape (N, 3).
-        least_rad: The angle that is returned if the jaws meet them at all wider ones.
+        least_rad: The angle that is returned if the jaws near them at all wider ones.
         wanted_rad: The angle up to which is sought.
+        room_m: Room between the jaws and other stones [m].
     """
     for angle_rad in np.arange(wanted_rad, least_rad, -_STEP_RAD):
-        if not _meets(gripper, others_gripper, float(angle_rad)):
+        if not _nears(gripper, others_gripper, float(angle_rad), room_m):
             return float(angle_rad)
     return least_rad
 
 
-def _meets(gripper: Gripper, points: Float, angle_rad: float) -> bool:
-    """Return whether a point lies in one of the jaws."""
+def _nears(gripper: Gripper, points: Float, angle_rad: float, room_m: float) -> bool:
+    """Return whether a point lies in one of the jaws, or nearer than that to its faces."""
     return bool(len(points)) and any(
-        bool((depth_inside(half_spaces(corners), points) > 0.0).any())
+        bool((depth_inside(half_spaces(corners), points) > -room_m).any())
         for corners in _jaws(gripper, angle_rad)
     )
 

@@ -79,21 +79,29 @@ def test_jaws_that_lean_pass_more_of_the_stone_with_one_tip(gripper: Gripper) ->
 def test_jaws_open_beside_another_stone_as_far_as_there_is_room(gripper: Gripper) -> None:
     neighbour = bar(0.6, 1.6, 0.85)
     wanted_rad = 0.9
-    angle_rad = angle_beside(gripper, neighbour, 0.4, wanted_rad)
+    angle_rad = angle_beside(gripper, neighbour, 0.4, wanted_rad, 0.0)
     assert 0.4 < angle_rad < wanted_rad
-    assert angle_beside(gripper, neighbour, 0.4, angle_rad - 0.02) == angle_rad - 0.02
+    assert angle_beside(gripper, neighbour, 0.4, angle_rad - 0.02, 0.0) == angle_rad - 0.02
+
+
+def test_jaws_keep_their_room_to_another_stone(gripper: Gripper) -> None:
+    """A jaw turns by some 5 cm of way at a metre from its hinge."""
+    near_rad, apart_rad = (
+        angle_beside(gripper, bar(0.6, 1.6, 0.85), 0.4, 0.9, room_m) for room_m in (0.0, ROOM_M)
+    )
+    assert near_rad - 0.15 < apart_rad < near_rad - 0.02
 
 
 def test_without_a_neighbour_the_jaws_open_as_far_as_is_wanted(gripper: Gripper) -> None:
-    assert angle_beside(gripper, np.zeros((0, 3)), 0.4, 0.9) == 0.9
-    assert angle_beside(gripper, bar(1.0, 3.0, 2.0), 0.4, 0.9) == 0.9
+    assert angle_beside(gripper, np.zeros((0, 3)), 0.4, 0.9, ROOM_M) == 0.9
+    assert angle_beside(gripper, bar(1.0, 3.0, 2.0), 0.4, 0.9, ROOM_M) == 0.9
 
 
 def test_a_neighbour_that_is_met_at_each_angle_leaves_the_least_one(gripper: Gripper) -> None:
     """A wall all along the way of the left jaw's tip."""
     tips = [gripper.tips(angle_rad)[0] for angle_rad in np.arange(0.4, 0.95, 0.005)]
     wall = np.array([tip + [-depth_m, 0.0, 0.0] for tip in tips for depth_m in (0.02, 0.05, 0.1)])
-    assert angle_beside(gripper, wall, 0.4, 0.9) == 0.4
+    assert angle_beside(gripper, wall, 0.4, 0.9, 0.0) == 0.4
 
 
 def test_a_stone_is_let_go_from_where_the_tips_pass_it_on(gripper: Gripper) -> None:

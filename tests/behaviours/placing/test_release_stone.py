@@ -37,12 +37,15 @@ def test_a_stone_is_released_on_its_slot(world, database):
 
 @pytest.mark.parametrize(
     ("half_m", "neighbour_m", "opening_m"),
-    [(0.6, None, 1.3), (0.6, 0.62, None), (0.2, None, None)],
+    [(0.6, None, 1.3), (0.6, 0.62, 1.2), (0.2, None, None), (0.2, 0.25, 0.66)],
 )
 def test_jaws_that_have_closed_below_a_stone_open_until_they_rise_past_it(
     stage, world, database, half_m, neighbour_m, opening_m
 ):
-    """Half of the stone's width, and the distance at which another stone begins beside it."""
+    """Half of the stone's width, and the distance at which another stone begins beside it.
+
+    Where it leaves no room, they open until they just pass the stone, or by 0.06 rad.
+    """
     gripper = world.leaf_context.machine().gripper
     bar = np.column_stack([np.full(61, 0.7), np.linspace(-half_m, half_m, 61), np.zeros(61)])
     T_down = pose(from_rpy(0.0, np.pi / 2, 0.0), np.array([5.0, 0.0, 2.0]))
