@@ -91,6 +91,29 @@ class Collision:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LimitUse:
+    """How near the machine came to one of its limits.
+
+    Attributes:
+        kind: `position`, `speed` or `effort` of a joint of the arm, `flow` of the pump, as the
+            speeds of all joints take it, or `tipping`: the moment that tips the machine over the
+            one by which the weight of its own links holds it.
+        of: The joint, `pump`, or the chassis.
+        largest_share: The largest share of the limit; beyond 1 it was passed.
+        at_s: When that was [s].
+        times_beyond: How often it was passed.
+        beyond_s: How long it was passed in all [s].
+    """
+
+    kind: str
+    of: str
+    largest_share: float
+    at_s: float
+    times_beyond: int
+    beyond_s: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PositionErrors:
     """Distances of estimated positions of the cabin from the true ones [m].
 
@@ -210,6 +233,7 @@ class Truth:
         realignments: One for each release of a known stone.
         map: Errors of the map; nothing without a map.
         registration: Errors of the registered survey; nothing without one.
+        limits: How near the machine came to each of its limits.
     """
 
     scenario: str
@@ -223,3 +247,4 @@ class Truth:
     realignments: tuple[Realignment, ...] | None
     map: Nothing | MapErrors
     registration: Nothing | RegistrationErrors
+    limits: tuple[LimitUse, ...] | None

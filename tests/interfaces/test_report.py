@@ -76,6 +76,16 @@ TRUTH = {
     ],
     "map": {"distance_m": {"median": 0.01, "p95": 0.05}},
     "registration": {"error_m": 0.02, "error_rad": 0.001},
+    "limits": [
+        {
+            "kind": "speed",
+            "of": "J_BOOM",
+            "largest_share": 0.91,
+            "at_s": 31.2,
+            "times_beyond": 0,
+            "beyond_s": 0.0,
+        }
+    ],
 }
 COUNTS = (
     "picks", "placed", "attempts", "first_attempt", "slips", "drops", "empty", "set_aside", "known",

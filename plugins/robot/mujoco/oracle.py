@@ -49,7 +49,7 @@ class MujocoOracle(Oracle):
     def __init__(self, robot: Robot) -> None:
         if not isinstance(robot, MujocoRobot):
             raise TypeError(f"the oracle of the simulated robot was given a {type(robot).__name__}")
-        self._log = robot.truth_log
+        self._log, self._limits = robot.truth_log, robot.limit_log
         self._site, self._scenario = robot.world.site, robot.world.scenario
         self._legs = robot.world.legs
         self._hand = {robot.world.machine.gripper_link, *robot.world.machine.gripper.links}
@@ -81,6 +81,7 @@ class MujocoOracle(Oracle):
             realignments=tracking.realignments(),
             map=self._map(view.map_cloud),
             registration=self._registration(view.registered_survey),
+            limits=self._limits.found(),
         )
 
     def _map(self, cloud: Cloud | None) -> Nothing | MapErrors:

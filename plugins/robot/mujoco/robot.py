@@ -10,6 +10,7 @@ from executive_plugins.robot.mujoco.sensors.suite import KeptSensors, SensorSuit
 from executive_plugins.robot.mujoco.settings import MujocoSettings
 from executive_plugins.robot.mujoco.site.site import make_site
 from executive_plugins.robot.mujoco.site.site_copy import SiteCopy
+from executive_plugins.robot.mujoco.truth.limit_log import LimitLog
 from executive_plugins.robot.mujoco.truth.truth_file import read_records, write_records
 from executive_plugins.robot.mujoco.truth.truth_log import TruthLog
 from executive_plugins.robot.mujoco.world import CONTROL_STEP_S, KeptWorld, World
@@ -37,7 +38,7 @@ class KeptRobot(TypedDict):
 class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness):
     """Simulates the machine on a random site, with its sensors; equal seeds give equal runs.
 
-    `world` and `truth_log` hold the truth; only the sensors and the oracle read them.
+    `world`, `truth_log` and `limit_log` hold the truth; only the sensors and the oracle read them.
     """
 
     Settings: ClassVar[type[Settings]] = MujocoSettings
@@ -72,8 +73,12 @@ class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness)
         )
         # A run may end before the first step.
         self.truth_log.step(0.0, self._world.model, self._world.data)
+        self.limit_log = LimitLog(self._machine, self._world.model)
         self._world.observe(
             lambda world: self.truth_log.step(world.time_s, world.model, world.data)
+        )
+        self._world.observe(
+            lambda world: self.limit_log.step(world.time_s, world.model, world.data)
         )
 
     def close(self) -> None:
@@ -117,11 +122,13 @@ class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness)
     def write_truth(self, path: Path) -> None:
         legs = self.world.legs
         stance = [] if legs is None else [legs.most_tilt_rad, legs.least_margin_m]
-        write_records(path, {**self.truth_log.records(), "stance": np.array(stance)})
+        records = {**self.truth_log.records(), **self.limit_log.records()}
+        write_records(path, {**records, "stance": np.array(stance)})
 
     def read_truth(self, path: Path, zero_s: float) -> None:
         records = read_records(path)
         self.truth_log.take(records, zero_s)
+        self.limit_log.take(records, zero_s)
         if self.world.legs is not None and len(records["stance"]):
             legs = self.world.legs
             legs.most_tilt_rad, legs.least_margin_m = map(float, records["stance"])

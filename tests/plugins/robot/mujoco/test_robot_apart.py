@@ -101,6 +101,7 @@ def test_the_stance_of_legs_is_part_of_the_truth(
     robot.truth_log = SimpleNamespace(
         records=lambda: {"time_s": np.arange(3.0)}, take=lambda *given: taken.append(given)
     )
+    robot.limit_log = SimpleNamespace(records=dict, take=lambda *given: None)
     if has_legs:
         robot.world.legs = SimpleNamespace(most_tilt_rad=0.1, least_margin_m=0.4)
     path = tmp_path / "truth.npz"

@@ -34,6 +34,9 @@ def test_poses_contacts_and_rests_are_read_back(lived, tmp_path):
     other = started()
     other.read_truth(tmp_path / "truth.npz", ZERO_S)
     log, found = lived.truth_log, other.truth_log
+    mine, theirs = lived.limit_log.found(), other.limit_log.found()
+    assert max(one.largest_share for one in mine) > 0
+    assert [one.largest_share for one in theirs] == [one.largest_share for one in mine]
     assert found.end_s == pytest.approx(log.end_s - ZERO_S)
     for at_s in (0.0, 0.73, 1.4):
         np.testing.assert_array_equal(found.centroids(at_s), log.centroids(at_s + ZERO_S))

@@ -44,6 +44,7 @@ class Log:
 def verdicts(log: Log, monkeypatch: pytest.MonkeyPatch, **view: object) -> dict[str, object]:
     oracle = object.__new__(MujocoOracle)
     oracle._log, oracle._scenario, oracle._legs = log, "kind", None
+    oracle._limits = SimpleNamespace(found=tuple)
     oracle._hand = {"LINK_GRIPPER", "LINK_JAW"}
     monkeypatch.setattr(oracle.__class__, "_stones", lambda *given: [])
     tracking = SimpleNamespace(objects=dict, realignments=list)
