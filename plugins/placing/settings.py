@@ -1,6 +1,6 @@
 """Settings of the placing plugins, apart from them: reading a mission imports no algorithm."""
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -17,6 +17,11 @@ class SlotsSettings(PluginSettings):
         (6.0, 7.2, 5.0, 4.2),
         min_length=1,
         description="Distances of rows of slots from the machine, preferred first [m].",
+    )
+    prefer: Literal["by_base", "given", "nearest"] = Field(
+        "by_base",
+        description="Which rows come first: as given, or the nearest, where a machine that may tip "
+        "holds most; `by_base`: the nearest where the base may tip (`on_legs`, `on_wheels`).",
     )
     spacing_m: Meters = Field(
         1.9, gt=0, description="Distance between slots of a row; open jaws must fit between [m]."

@@ -50,7 +50,8 @@ class Slots(PlacementPlanner):
     ) -> tuple[Slot, ...]:
         """Return up to `count` slots on free, known, nearly flat ground in reach.
 
-        On arcs, those that need the least swing of the cabin come first. The first row with room
+        On arcs, those that need the least swing of the cabin come first. Rows are taken in the
+        order that is preferred: a machine that may tip holds most near it. The first row with room
         for all slots is taken; if there is none, the rows are filled one after the other. A layout
         with a row of its own gives the places along that row instead; there the distance of faces
         takes the place of `clearance_m` and `spacing_m`.
@@ -64,13 +65,19 @@ class Slots(PlacementPlanner):
         )
         allowed = AllowedPlaces(layout)
         places = np.empty((0, 3))
-        for radius_m in s.radii_m:
+        for radius_m in self._radii_m():
             row = self._row(radius_m, ground, places, T_map_base, allowed)
             places = row if len(row) >= count else np.concatenate([places, row])
             if len(places) >= count:
                 break
         places = places[:count]
         return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
+
+    def _radii_m(self) -> tuple[float, ...]:
+        """Return the distances of rows from the machine, preferred first [m]."""
+        s = self._settings
+        may_tip = s.prefer == "by_base" and self._machine.stance.is_free
+        return tuple(sorted(s.radii_m)) if may_tip or s.prefer == "nearest" else s.radii_m
 
     def _in_row(
         self,

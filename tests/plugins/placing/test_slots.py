@@ -84,6 +84,32 @@ def test_more_than_a_row_holds_fills_further_rows(planner_of: Callable, site: tu
     assert gaps(p[:, :2]).min() >= 1.9 - 1e-9
 
 
+@pytest.mark.parametrize(
+    ("is_free", "prefer", "radius_m"),
+    [
+        (False, "by_base", 6.0),
+        (True, "by_base", 4.5),
+        (True, "given", 6.0),
+        (False, "nearest", 4.5),
+    ],
+)
+def test_a_machine_that_may_tip_has_its_slots_near(
+    planner_of: Callable,
+    machine: Machine,
+    site: tuple,
+    is_free: bool,
+    prefer: str,
+    radius_m: float,
+) -> None:
+    _, ground, segmented, _ = site
+    stance = machine.stance.model_copy(update={"is_free": is_free})
+    planner = planner_of(prefer=prefer, radii_m=(6.0, 5.0, 4.5))
+    planner._machine = machine.model_copy(update={"stance": stance})
+    p = places(planner, segmented(ground()))
+    assert len(p) == 7
+    np.testing.assert_allclose(np.hypot(p[:, 0], p[:, 1]), radius_m)
+
+
 def test_slots_out_of_reach_are_not_offered(planner_of: Callable, site: tuple) -> None:
     _, ground, segmented, _ = site
     assert len(places(planner_of(reach_m=(2.0, 5.0), radii_m=(6.0,)), segmented(ground()))) == 0
