@@ -9,6 +9,7 @@ from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.ground import ground_normal
 from executive_plugins.motion.height_survey import compile_survey
+from executive_plugins.motion.held_limits import Levers, held_limits
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.move import Move, NoPath
 from executive_plugins.motion.obstacles import Obstacles
@@ -122,7 +123,10 @@ class Hermite(MotionPlanner):
             around.jaw_rad,
             self._settings.contact_tolerance,
         )
-        limits, fold, reason = self._limits(self._load(around)), self._fold(start), ""
+        fold, reason = self._fold(start), ""
+        limits = self._loaded(around)
+        if around.held_gripper is not None:
+            limits = held_limits(limits, Levers.at(self._kinematics, *fold), self._settings)
         # Unseen ground is not taken for free: on an empty map the arm folds first.
         for way in (folding_sweep, sweep) if len(around.obstacles.points) else (sweep,):
             trajectory = way(self._machine, limits, fold, angle_rad, duration_s)
@@ -147,7 +151,7 @@ class Hermite(MotionPlanner):
             ),
             obstacles=obstacles,
             reaching_gripper=self._reaching(request.jaw_rad, held),
-            limits=self._limits(self._load(request)),
+            limits=self.limits(request),
             clearance_m=settings.clearance,
             least_arrival=settings.least_arrival,
         )
@@ -183,9 +187,22 @@ class Hermite(MotionPlanner):
         parts = [hull for hulls in self._machine.gripper.hulls(jaw_rad).values() for hull in hulls]
         return np.vstack(parts if held is None else [*parts, held.corners])
 
-    def _limits(self, load: float) -> Limits:
-        """Return the limits with a load, from 0 for none to 1 for that of the loaded limits."""
-        machine, share = self._machine, self._settings.speed
+    def limits(self, request: MoveRequest | PostureRequest) -> Limits:
+        """Return the limits that a motion keeps."""
+        limits = self._loaded(request)
+        if request.held_gripper is None:
+            return limits
+        if isinstance(request, PostureRequest):
+            goal: Float | None = request.goal
+        else:
+            T_base_goal = inverse(request.T_map_base) @ request.T_map_gripper
+            goal = self._ik.solve(T_base_goal, request.start)
+        ends = [request.start] if goal is None else [request.start, goal]
+        return held_limits(limits, Levers.at(self._kinematics, *ends), self._settings)
+
+    def _loaded(self, request: MoveRequest | PostureRequest | Around) -> Limits:
+        """Return the machine's limits with the load of a request."""
+        machine, share, load = self._machine, self._settings.speed, self._load(request)
         velocity, acceleration = (
             (1.0 - load) * empty + load * loaded
             for empty, loaded in (
@@ -196,7 +213,7 @@ class Hermite(MotionPlanner):
         return Limits(velocity * share, acceleration * share, machine.max_jerk)
 
     def _load(self, request: MoveRequest | PostureRequest | Around) -> float:
-        """Return the load of a request as a share of that of the loaded limits."""
+        """Return the load of a request, from 0 for none to 1 for that of the loaded limits."""
         if request.held_gripper is None:
             return 0.0
         if request.held_kg is None or self._settings.load_limits == "fixed":

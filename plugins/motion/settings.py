@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from executive.config import Meters, Radians, Settings
+from executive.config import Meters, Radians, Seconds, Settings
 from executive.interfaces.declaration import PluginSettings, Refusal
 from executive.machine.machine import Machine
 
@@ -56,6 +56,27 @@ class HermiteSettings(PluginSettings):
         description="Limits of velocity and acceleration with a stone: the loaded ones of the "
         "machine's robot.yaml, whatever it weighs; or, once it is weighed, as far from the empty "
         "ones to the loaded ones as its mass is on the way to the payload.",
+    )
+    held_up_m_s2: float = Field(
+        0.6,
+        gt=0,
+        le=10,
+        description="Largest vertical acceleration that one joint gives a held stone [m/s²]: 6 % "
+        "of its weight, two standard deviations of a weighing. A grip that just bears the stone at "
+        "rest slides under more.",
+    )
+    held_sideways_m_s2: float = Field(
+        1.2,
+        gt=0,
+        le=10,
+        description="The same horizontally: the load leans by 7°, and is hardly larger.",
+    )
+    held_ramp: Seconds = Field(
+        0.25,
+        gt=0,
+        le=5,
+        description="Least time in which these accelerations set in [s]: a period of the arm's "
+        "servo loops, so that they do not swing.",
     )
     oil_flow: Literal["free", "limited"] = Field(
         "free",

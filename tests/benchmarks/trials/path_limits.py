@@ -25,7 +25,6 @@ STEP_S = 0.001
 _PATH_STEP = 0.02  # between the points through which toppra's path goes, in shares of the speed
 WITHIN = Bound(1.0)
 TIME, COST_MS = Bound(1.15, 1.05), Bound(80.0, 50.0)
-_SHARE = _SHARED["HermiteSettings"]().speed  # of velocity and acceleration that the planner uses
 _ORDERS = ("velocity", "acceleration", "jerk")
 Request = MoveRequest | PostureRequest
 
@@ -58,7 +57,7 @@ def measured(model: str, seeds: Sequence[int], most: int) -> list[Planned]:
     found: list[Planned] = []
     for seed in seeds:
         for request, plan, cost_s in _planned(machine, planner, seed):
-            found.append(_judged(machine, request, plan, cost_s))
+            found.append(_judged(planner, machine, request, plan, cost_s))
             if sum(not one.reason for one in found) >= most:
                 return found
     return found
@@ -107,7 +106,9 @@ def _timed(planner: Hermite, request: Request) -> tuple[MotionPlan, float]:
     return plan, time.process_time() - began_s
 
 
-def _judged(machine: Machine, request: Request, plan: MotionPlan, cost_s: float) -> Planned:
+def _judged(
+    planner: Hermite, machine: Machine, request: Request, plan: MotionPlan, cost_s: float
+) -> Planned:
     is_loaded = request.held_gripper is not None
     if plan.trajectory is None:
         nothing = np.full((3, len(machine.joints)), np.nan)
@@ -116,7 +117,8 @@ def _judged(machine: Machine, request: Request, plan: MotionPlan, cost_s: float)
     shares = _shares(plan.trajectory, limits)
     fastest_s = np.nan
     if importlib.util.find_spec("toppra") is not None:
-        fastest_s = _fastest_s(plan.trajectory, _SHARE * limits[0], _SHARE * limits[1])
+        kept = planner.limits(request)
+        fastest_s = _fastest_s(plan.trajectory, kept.velocity, kept.acceleration)
     return Planned(is_loaded, cost_s, "", shares, plan.trajectory.duration_s, fastest_s)
 
 
