@@ -20,8 +20,9 @@ class SlotsSettings(PluginSettings):
     )
     prefer: Literal["by_base", "given", "nearest"] = Field(
         "by_base",
-        description="Which rows come first: as given, or the nearest, where a machine that may tip "
-        "holds most; `by_base`: the nearest where the base may tip (`on_legs`, `on_wheels`).",
+        description="Which slots come first: those of the first row given with room for all, or "
+        "the nearest, where a machine that may tip holds most; `by_base`: the nearest where the "
+        "base may tip (`on_legs`, `on_wheels`).",
     )
     spacing_m: Meters = Field(
         1.9, gt=0, description="Distance between slots of a row; open jaws must fit between [m]."

@@ -50,11 +50,11 @@ class Slots(PlacementPlanner):
     ) -> tuple[Slot, ...]:
         """Return up to `count` slots on free, known, nearly flat ground in reach.
 
-        On arcs, those that need the least swing of the cabin come first. Rows are taken in the
-        order that is preferred: a machine that may tip holds most near it. The first row with room
-        for all slots is taken; if there is none, the rows are filled one after the other. A layout
-        with a row of its own gives the places along that row instead; there the distance of faces
-        takes the place of `clearance_m` and `spacing_m`.
+        On arcs, those that need the least swing of the cabin come first. The first row
+        with room for all slots is taken; if there is none, the rows are filled one after the other.
+        For a machine that may tip they are filled from the nearest on, where it holds most. A
+        layout with a row of its own gives the places along that row instead; there the distance of
+        faces takes the place of `clearance_m` and `spacing_m`.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         if layout.row is not None:
@@ -67,17 +67,23 @@ class Slots(PlacementPlanner):
         places = np.empty((0, 3))
         for radius_m in self._radii_m():
             row = self._row(radius_m, ground, places, T_map_base, allowed)
-            places = row if len(row) >= count else np.concatenate([places, row])
+            is_enough = len(row) >= count and not self._is_nearest_first
+            places = row if is_enough else np.concatenate([places, row])
             if len(places) >= count:
                 break
         places = places[:count]
         return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
 
+    @property
+    def _is_nearest_first(self) -> bool:
+        """Whether each place near the machine comes before those that are farther off."""
+        prefer = self._settings.prefer
+        return prefer == "nearest" or (prefer == "by_base" and self._machine.stance.is_free)
+
     def _radii_m(self) -> tuple[float, ...]:
         """Return the distances of rows from the machine, preferred first [m]."""
-        s = self._settings
-        may_tip = s.prefer == "by_base" and self._machine.stance.is_free
-        return tuple(sorted(s.radii_m)) if may_tip or s.prefer == "nearest" else s.radii_m
+        radii_m = self._settings.radii_m
+        return tuple(sorted(radii_m)) if self._is_nearest_first else radii_m
 
     def _in_row(
         self,

@@ -110,6 +110,23 @@ def test_a_machine_that_may_tip_has_its_slots_near(
     np.testing.assert_allclose(np.hypot(p[:, 0], p[:, 1]), radius_m)
 
 
+def test_places_near_a_machine_that_may_tip_are_used_though_farther_ones_would_do_alone(
+    planner_of: Callable, site: tuple
+) -> None:
+    block, ground, segmented, _ = site
+    beside = [block((4.5 * np.cos(a), 4.5 * np.sin(a))) for a in (-0.9, 0.9, 2.0, 3.0, 4.2)]
+    near = {}
+    for prefer in ("given", "nearest"):
+        planner = planner_of(prefer=prefer, radii_m=(7.5, 4.5))
+        p = places(planner, segmented(ground(), *beside))
+        assert len(p) == 7
+        near[prefer] = np.hypot(p[:, 0], p[:, 1]) < 5.0
+    assert not near["given"].any()
+    first, last = near["nearest"][0], near["nearest"][-1]
+    assert first
+    assert not last
+
+
 def test_slots_out_of_reach_are_not_offered(planner_of: Callable, site: tuple) -> None:
     _, ground, segmented, _ = site
     assert len(places(planner_of(reach_m=(2.0, 5.0), radii_m=(6.0,)), segmented(ground()))) == 0
