@@ -50,7 +50,7 @@ def test_runs_that_pass_no_limit_hold(count: Any, tmp_path: Path, capsys: Any) -
     assert count([str(tmp_path), str(tmp_path / "campaign"), "--cycles", "6"]) == 0
     told = capsys.readouterr().out
     assert "| cycles | 6 in 2 runs |" in told  # each run once
-    assert "0 (largest share 0.930, J_BOOM in two)" in told
+    assert "0 (largest share 0.9300, J_BOOM in two)" in told
 
 
 def test_too_few_cycles_are_a_miss(count: Any, tmp_path: Path, capsys: Any) -> None:
@@ -68,7 +68,7 @@ def test_a_limit_that_was_passed_is_a_miss(
     assert count([str(tmp_path), "--cycles", "6"]) == 1
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 1
-    assert f"{kind}: 2, 0.60 s in all (largest share 1.070, J_BOOM in bad)" in told[0]
+    assert f"{kind}: 2, 0.60 s in all (largest share 1.0700, J_BOOM in bad)" in told[0]
 
 
 def test_a_collision_is_a_miss(count: Any, tmp_path: Path, capsys: Any) -> None:

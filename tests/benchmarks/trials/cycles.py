@@ -88,7 +88,7 @@ def _limit(runs: Sequence[Ended], kind: str) -> Figure:
         return held(what, times, NEVER, f"{times}, nothing observed it")
     most, run = max(uses, key=lambda use: float(use[0]["largest_share"]))
     beyond_s = sum(one["beyond_s"] for one, _ in uses)
-    share = f"largest share {most['largest_share']:.3f}, {most['of']}"
+    share = f"largest share {most['largest_share']:.4f}, {most['of']}"
     told = f"{times}, {beyond_s:.2f} s in all" if times else "0"
     return held(what, times, NEVER, f"{told} ({share} in {run.folder.name})")
 
