@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, CabinEstimator
 from executive_plugins.estimation.filters.kept_state import KeptState
+from executive_plugins.estimation.filters.odometry_witnesses import OdometryWitnesses
 from executive_plugins.estimation.filters.sensor_trial import SensorTrial
 from executive_plugins.estimation.filters.settings import GnssImuSettings
 from executive_plugins.estimation.filters.status_account import (
@@ -96,6 +97,10 @@ class GnssImuFilter(CabinEstimator):
         self._sensors = SensorTrial(self._propagator, self._noise, kept_s, _TRUSTED)
         self._frozen = FrozenSamples()
         self._refusals = GrowingRefusals()
+        self._contradicted_s = -np.inf  # when odometry last shared a doubt
+        self._witnesses = OdometryWitnesses(
+            self._machine, self._T_imu_cabin, self._antennas_imu, kept_s
+        )
 
     def _start_at(self, found: Found) -> None:
         kalman = self._make_filter(found)
@@ -178,7 +183,20 @@ class GnssImuFilter(CabinEstimator):
             self._stamp_gate.refuse(antenna, "too late")
 
     def add_odometry(self, increment: LidarIncrement) -> None:
-        """Do nothing: this filter does not use lidar."""
+        """Hold an increment against the state, which is not corrected by it."""
+        trailing, stream = self._trailing, f"odometry {increment.frame}"
+        if trailing is None or not self._witnesses.knows(increment.frame):
+            return
+        if self._stamp_gate.admits(stream, increment.to_s):
+            look = partial(self._witness, trailing.kalman, increment)
+            trailing.add_apart(Correction(increment.to_s, look))
+
+    def _witness(self, kalman: ErrorStateFilter, increment: LidarIncrement) -> None:
+        """Take what odometry says of the state; a doubt does not end while odometry shares it."""
+        status = self._status()
+        is_apart = self._witnesses.take(kalman, increment, status == GLOBAL)
+        if is_apart and status == SUSPECT:
+            self._contradicted_s = kalman.stamp_s
 
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
         trailing = self._trailing
@@ -392,7 +410,7 @@ class GnssImuFilter(CabinEstimator):
             self._trailing.ignore_standing(moving_s)
 
     def state(self) -> BaseState:
-        state = super().state()
+        state = self._witnesses.widened(super().state())
         if state.status != self._account.status:
             self._account.take(state.status, state.stamp_s, state.stamp_s - self._used_fix_s)
         return state
@@ -400,5 +418,6 @@ class GnssImuFilter(CabinEstimator):
     def _status(self) -> str:
         if self._propagator.stamp_s - self._used_fix_s > self._missing_after_s:
             return FALLBACK
-        trusted_s = self._suspected_s + self._settings.reacquire_after_s
+        against_s = max(self._suspected_s, self._contradicted_s)
+        trusted_s = against_s + self._settings.reacquire_after_s
         return SUSPECT if self._propagator.stamp_s < trusted_s else GLOBAL

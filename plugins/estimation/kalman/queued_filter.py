@@ -114,6 +114,12 @@ class QueuedFilter(TrailingFilter[ErrorStateFilter]):
         nothing = _NONE, _NONE, np.zeros((3, 3)), 0.0
         return self._add(correction, (correction.stamp_s, STANDING, 0, *nothing, rate_cabin))
 
+    def add_apart(self, correction: Correction) -> None:
+        """Add what only looks at the filter, which compiled code leaves to Python."""
+        correction.place = _APART
+        super().add_apart(correction)
+        self._arrange()
+
     def _add(self, correction: Correction, values: tuple[object, ...]) -> bool:
         """Add a correction with its row of the queue, see `CORRECTION`."""
         before = len(self._corrections)

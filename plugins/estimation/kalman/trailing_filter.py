@@ -112,6 +112,10 @@ class TrailingFilter(Generic[K]):
         """Add a correction by a chassis at rest; see `QueuedFilter.add_standing`."""
         return self.add(correction)
 
+    def add_apart(self, correction: Correction) -> None:
+        """Add what only looks at the filter; see `QueuedFilter.add_apart`."""
+        self.add(correction, is_awaited=False)
+
     def ignore_standing(self, _: float) -> None:
         """Do nothing: what is added decides itself when it ignores a chassis at rest."""
 

@@ -1,0 +1,81 @@
+"""The odometry of a cabin, held against a filter that does not use it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from executive_plugins.estimation.filters.odometry_witness import OdometryWitness
+from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+
+from executive.arrays import Float
+from executive.geometry.pose import adjoint, inverse, transform
+from executive.geometry.rotation import skew
+from executive.machine.rig import Rig
+from executive.messages.base_state import BaseState
+from executive.messages.odometry import LidarIncrement
+
+
+class OdometryWitnesses:
+    """A witness for each stream of odometry; where one contradicts it, a state is less certain."""
+
+    def __init__(
+        self, rig: Rig, T_imu_cabin: Float, antennas_imu: Mapping[str, Float], kept_s: float
+    ) -> None:
+        """Begin without odometry.
+
+        Args:
+            rig: Tells where sensors are.
+            T_imu_cabin: Cabin in the IMU's frame, shape (4, 4).
+            antennas_imu: The antennas in IMU axes [m], shape (3,) each, by name.
+            kept_s: The longest time over which motions are compared [s].
+        """
+        self._rig, self._T_imu_cabin, self._kept_s = rig, T_imu_cabin, kept_s
+        middle = np.mean(list(antennas_imu.values()), axis=0)
+        # Fixes hold the antennas: an error of the rotation moves the cabin about these.
+        self._arm = transform(inverse(T_imu_cabin), middle)
+        self._witnesses: dict[str, OdometryWitness] = {}
+
+    def knows(self, frame: str) -> bool:
+        """Return whether a sensor of odometry is on the cabin."""
+        sensor = self._rig.sensors.get(frame)
+        return sensor is not None and sensor.link == self._rig.cabin_link
+
+    def take(self, kalman: ErrorStateFilter, increment: LidarIncrement, is_sound: bool) -> bool:
+        """Hold a filter against an increment, at its end.
+
+        Args:
+            kalman: The filter at that time.
+            increment: Of a frame that is known.
+            is_sound: Whether nothing else speaks against the filter.
+
+        Returns:
+            Whether the odometry contradicts it.
+        """
+        T_imu_lidar = self._T_imu_cabin @ self._rig.sensors[increment.frame].T_link_sensor
+        Ad = adjoint(T_imu_lidar)
+        of_imu = replace(
+            increment,
+            T_from_to=T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar),
+            covariance=Ad @ increment.covariance @ Ad.T,
+        )
+        witness = self._witnesses.setdefault(increment.frame, OdometryWitness(self._kept_s))
+        witness.take(kalman, of_imu, is_sound)
+        return witness.is_apart
+
+    def widened(self, state: BaseState) -> BaseState:
+        """Return a state whose covariance holds what odometry says as well."""
+        witness = max(self._witnesses.values(), key=_size, default=None)
+        if witness is None or not witness.is_apart:
+            return state
+        R, covariance = state.T_map_cabin[:3, :3], state.covariance.copy()
+        by_turn = np.vstack([np.eye(3), skew(self._arm)])
+        covariance += by_turn @ R.T @ witness.turned2 @ R @ by_turn.T
+        covariance[3:, 3:] += R.T @ witness.moved2 @ R
+        poses = state.T_map_base, state.T_odom_base, state.T_map_cabin
+        rates = state.v_map_cabin, state.w_map_cabin_in_cabin
+        return BaseState(state.stamp_s, *poses, *rates, covariance, state.status)
+
+
+def _size(witness: OdometryWitness) -> float:
+    """Return by how much a witness contradicts a state, as a variance of the position [m²]."""
+    return float(np.trace(witness.moved2) + np.trace(witness.turned2))
