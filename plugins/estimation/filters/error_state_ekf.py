@@ -64,20 +64,20 @@ class ErrorStateEkf(GnssImuFilter):
 
     def _start_at(self, found: Found) -> None:
         super()._start_at(found)
-        rows = np.zeros(len(self._innovations), INNOVATIONS)
-        self._pair.judge_by(self._innovations, self._new_innovations(found, rows))
+        rows = np.zeros(len(self._streams.records), INNOVATIONS)
+        self._pair.judge_by(self._streams.records, self._new_records(found, rows))
 
     def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:
         is_used = super()._correct_by_fix(kalman, fix, late_s)
         if kalman is not self._pair:  # the filter has begun anew since the fix was queued
             return is_used
         is_contradicted = not is_used or self._suspected_s == kalman.stamp_s
-        period_s = self._periods[fix.antenna].period_s / len(self._periods)
+        period_s = self._streams.shared_period_s(fix.antenna)
         is_doubted = self._pair.correct_other(fix, late_s, period_s)
         other2 = None if is_doubted else self._pair.other.distance2
         if self._trial.takes_fix(is_contradicted, other2):
             self._used_fix_s = kalman.stamp_s
-            self._begin_trust()
+            self._refused.forget()
             return True
         return is_used
 
@@ -109,7 +109,7 @@ class ErrorStateEkf(GnssImuFilter):
 
         It grows until fixes are missing: after that, nothing but odometry tells the velocity.
         """
-        since_s = min(increment.to_s - self._used_fix_s, self._missing_after_s)
+        since_s = min(increment.to_s - self._used_fix_s, self._streams.missing_after_s)
         length_m = float(np.linalg.norm(increment.T_from_to[:3, 3]))
         steps = since_s / (increment.to_s - increment.from_s)
         return drift2(steps, self._lidar.odometry_drift * length_m)

@@ -64,10 +64,10 @@ def test_a_filter_that_begins_anew_keeps_the_clock_that_it_was_begun_with(start)
     """What an earlier filter knew of the clock does not belong to the state of the new one."""
     estimator = start(clock_agrees=0.0, clock_std_s=0.05)
     estimator._start_at(found())
-    estimator._clock.remember(1.0, -0.3)
-    estimator._clock.hold(estimator._trailing.kalman, 0.0)
+    estimator._fixes.clock.remember(1.0, -0.3)
+    estimator._fixes.clock.hold(estimator._trailing.kalman, 0.0)
     assert estimator._trailing.kalman.clock_s == -0.3
     estimator._start_at(found())
-    estimator._clock.hold(estimator._trailing.kalman, 0.0)
+    estimator._fixes.clock.hold(estimator._trailing.kalman, 0.0)
     assert estimator._trailing.kalman.clock_s == 0.0
     assert estimator._trailing.kalman.clock_std_s == pytest.approx(0.05)
