@@ -179,16 +179,17 @@ class GnssImuFilter(CabinEstimator):
         trailing, stream = self._trailing, f"odometry {increment.frame}"
         if trailing is None or not self._witnesses.knows(increment.frame):
             return
+        # A doubt does not end while odometry shares it.
+        apart_s = self._witnesses.compare()
+        if self._status() == SUSPECT:
+            self._contradicted_s = max(self._contradicted_s, apart_s)
         if self._stamp_gate.admits(stream, increment.to_s):
-            look = partial(self._witness, trailing.kalman, increment)
+            look = partial(self._look, trailing.kalman, increment)
             trailing.add_apart(Correction(increment.to_s, look))
 
-    def _witness(self, kalman: ErrorStateFilter, increment: LidarIncrement) -> None:
-        """Take what odometry says of the state; a doubt does not end while odometry shares it."""
-        status = self._status()
-        is_apart = self._witnesses.take(kalman, increment, status == GLOBAL)
-        if is_apart and status == SUSPECT:
-            self._contradicted_s = kalman.stamp_s
+    def _look(self, kalman: ErrorStateFilter, increment: LidarIncrement) -> None:
+        """Keep the filter at the end of an increment, to be compared."""
+        self._witnesses.look(kalman.block, increment, self._status() == GLOBAL)
 
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
         if not self._chassis.add(stamp_s, rate_cabin):

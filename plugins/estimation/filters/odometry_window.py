@@ -7,7 +7,8 @@ import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
 from executive_plugins.estimation.inertial.exponential import linear_covariance
 from executive_plugins.estimation.inertial.state import POSITION, ROTATION, VELOCITY
-from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.live.packing import unpacked
 
 from executive.arrays import Float
 from executive.geometry.rotation import log_so3, skew
@@ -42,17 +43,17 @@ class Look:
     length_m: float
 
     @classmethod
-    def at(cls, kalman: ErrorStateFilter) -> "Look":
-        """Return a filter before the first increment."""
-        state = kalman.state
+    def at(cls, block: Block) -> "Look":
+        """Return a filter before the first increment; its row has shape (1,), dtype `FILTER`."""
+        state, covariance = unpacked(block)
         R, p = state.R_map_imu, state.p_map_imu
-        P = linear_covariance(state, kalman.covariance)[:9, :9]
+        P = linear_covariance(state, covariance)[:9, :9]
         P[ROTATION, ROTATION] = R @ P[ROTATION, ROTATION] @ R.T
-        return cls(kalman.stamp_s, R, p, P, np.zeros(6), np.zeros((6, 6)), np.zeros(3), 0.0)
+        return cls(state.sample.stamp_s, R, p, P, np.zeros(6), np.zeros((6, 6)), np.zeros(3), 0.0)
 
-    def after(self, kalman: ErrorStateFilter, increment: LidarIncrement) -> "Look":
+    def after(self, block: Block, increment: LidarIncrement) -> "Look":
         """Return a filter at the end of an increment of the IMU that begins here."""
-        now, T = Look.at(kalman), increment.T_from_to
+        now, T = Look.at(block), increment.T_from_to
         R, step = self.R @ T[:3, :3], self.R @ T[:3, 3]  # of odometry
         apart = np.concatenate([now.R @ log_so3(R.T @ now.R), now.p - self.p - step])
         axes = np.kron(np.eye(2), R)

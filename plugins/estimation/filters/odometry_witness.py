@@ -18,7 +18,7 @@ from executive_plugins.estimation.filters.odometry_window import (
 )
 from executive_plugins.estimation.gate.drift_record import DriftRecord
 from executive_plugins.estimation.gate.innovation_alarm import binary, usual_size
-from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.layout import Block
 
 from executive.arrays import Float
 from executive.geometry import chi_square
@@ -65,24 +65,24 @@ class OdometryWitness:
         self.turned2: Float = np.zeros((3, 3))
         self.moved2: Float = np.zeros((3, 3))
 
-    def take(self, kalman: ErrorStateFilter, increment: LidarIncrement, is_sound: bool) -> None:
+    def take(self, block: Block, increment: LidarIncrement, is_sound: bool) -> None:
         """Take an increment at its end.
 
         Args:
-            kalman: The filter at that time.
+            block: The filter at that time, shape (1,), dtype `FILTER`.
             increment: The motion of the IMU.
             is_sound: Whether nothing else speaks against the state.
         """
         looks = self._looks
         if not looks or abs(looks[-1].stamp_s - increment.from_s) > 1e-6:
             self.forget()
-            looks.append(Look.at(kalman))
+            looks.append(Look.at(block))
             return
-        looks.append(looks[-1].after(kalman, increment))
+        looks.append(looks[-1].after(block, increment))
         while looks[1].stamp_s < looks[-1].stamp_s - self._kept_s:
             looks.popleft()
         windows = list(self._windows())
-        limit = _limit(binary(kalman.stamp_s - increment.from_s))
+        limit = _limit(binary(looks[-1].stamp_s - increment.from_s))
         if is_sound and windows and _is_refuted(windows[0], limit):
             self.forget()
             return

@@ -1,11 +1,12 @@
 """The odometry of a cabin, held against a filter that does not use it."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from executive_plugins.estimation.filters.odometry_witness import OdometryWitness
-from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.kalman.layout import Block
 
 from executive.arrays import Float
 from executive.geometry.pose import adjoint, inverse, transform
@@ -34,33 +35,46 @@ class OdometryWitnesses:
         # Fixes hold the antennas: an error of the rotation moves the cabin about these.
         self._arm = transform(inverse(T_imu_cabin), middle)
         self._witnesses: dict[str, OdometryWitness] = {}
+        self._waiting: deque[tuple[Block, LidarIncrement, bool]] = deque()
 
     def knows(self, frame: str) -> bool:
         """Return whether a sensor of odometry is on the cabin."""
         sensor = self._rig.sensors.get(frame)
         return sensor is not None and sensor.link == self._rig.cabin_link
 
-    def take(self, kalman: ErrorStateFilter, increment: LidarIncrement, is_sound: bool) -> bool:
-        """Hold a filter against an increment, at its end.
+    def look(self, block: Block, increment: LidarIncrement, is_sound: bool) -> None:
+        """Keep a filter at the end of an increment, to be compared later.
+
+        Comparing takes longer than the rest of an inertial sample, and can wait for the next
+        increment.
 
         Args:
-            kalman: The filter at that time.
+            block: The filter, shape (1,), dtype `FILTER`.
             increment: Of a frame that is known.
             is_sound: Whether nothing else speaks against the filter.
-
-        Returns:
-            Whether the odometry contradicts it.
         """
+        self._waiting.append((block.copy(), increment, is_sound))
+
+    def compare(self) -> float:
+        """Compare what was kept; return when odometry contradicted a filter last [s], else -inf."""
+        apart_s = -np.inf
+        while self._waiting:
+            block, increment, is_sound = self._waiting.popleft()
+            witness = self._witnesses.setdefault(increment.frame, OdometryWitness(self._kept_s))
+            witness.take(block, self._of_imu(increment), is_sound)
+            if witness.is_apart:
+                apart_s = max(apart_s, increment.to_s)
+        return float(apart_s)
+
+    def _of_imu(self, increment: LidarIncrement) -> LidarIncrement:
+        """Return the motion of the IMU."""
         T_imu_lidar = self._T_imu_cabin @ self._rig.sensors[increment.frame].T_link_sensor
         Ad = adjoint(T_imu_lidar)
-        of_imu = replace(
+        return replace(
             increment,
             T_from_to=T_imu_lidar @ increment.T_from_to @ inverse(T_imu_lidar),
             covariance=Ad @ increment.covariance @ Ad.T,
         )
-        witness = self._witnesses.setdefault(increment.frame, OdometryWitness(self._kept_s))
-        witness.take(kalman, of_imu, is_sound)
-        return witness.is_apart
 
     def widened(self, state: BaseState) -> BaseState:
         """Return a state whose covariance holds what odometry says as well."""

@@ -49,7 +49,7 @@ class Walk:
         """Yield the time and the witness after each increment."""
         for k in range(1, round(end_s / PERIOD_S)):
             at_s = round(k * PERIOD_S, 6)
-            self.witness.take(self.kalman(at_s), self.increment(at_s), is_sound)
+            self.witness.take(self.kalman(at_s).block, self.increment(at_s), is_sound)
             yield at_s, self.witness
 
 
@@ -115,6 +115,6 @@ def test_a_gap_in_the_odometry_begins_anew() -> None:
     *_, (_, witness) = walk.until(FROM_S + 5.0)
     assert witness.is_apart
     at_s = FROM_S + 6.0
-    witness.take(walk.kalman(at_s), walk.increment(at_s), True)
+    witness.take(walk.kalman(at_s).block, walk.increment(at_s), True)
     assert not witness.is_apart
     assert not witness.moved2.any()

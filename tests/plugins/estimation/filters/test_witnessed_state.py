@@ -78,11 +78,21 @@ def test_a_doubt_lasts_for_as_long_as_odometry_shares_it(cabin, start, with_lida
     assert estimator.state().status == GLOBAL
     estimator._suspected_s = now_s - 9.99
     assert estimator.state().status == SUSPECT
-    estimator._witnesses.take = lambda *_: True
+    estimator._witnesses.compare = lambda: now_s
     increment = LidarIncrement(now_s - 0.1, now_s, "lidar_horizontal", np.eye(4), np.eye(6))
-    estimator._witness(estimator._trailing.kalman, increment)
+    estimator.add_odometry(increment)
     estimator._suspected_s = -np.inf
     assert estimator._status() == SUSPECT
+
+
+def test_odometry_is_compared_outside_of_inertial_samples(cabin, start, with_lidar) -> None:
+    """It takes longer than all else of a sample: what is kept waits for the next increment."""
+    estimator, kept = start(), []
+    for one in with_lidar(cabin, cabin.observations(6.0)):
+        estimator.add(one)
+        kept.append((isinstance(one, LidarIncrement), len(estimator._witnesses._waiting)))
+    assert max(count for _, count in kept) == 1
+    assert {count for is_increment, count in kept if is_increment} == {0}
 
 
 def test_looks_take_no_room_from_the_corrections_that_wait(cabin, start, with_lidar) -> None:
