@@ -33,7 +33,7 @@ class Slots(PlacementPlanner):
     """
 
     Settings: ClassVar[type[Settings]] = SlotsSettings
-    latency_s: ClassVar[dict[str, float]] = {"slots": 0.5, "plan": 0.5}
+    latency_s: ClassVar[dict[str, float]] = {"slots": 0.5, "plan": 0.2}
     is_stateless: ClassVar[bool] = True
 
     def __init__(self, settings: SlotsSettings, machine: Machine, motion: MotionPlanner) -> None:
