@@ -18,6 +18,9 @@ from executive.messages.joints import JointSample
 LOOKS = 3  # samples in a row: an effort that changes its sign passes zero in fewer
 _WRONG = 2.0  # the factor by which the machine's masses may be wrong
 _NOISE = 3.0  # standard deviations within which a measured effort may be none
+_DRAGGED = 0.6  # friction of stone on soil: the share of its weight by which the ground may pull
+_NEAR_M = 0.5  # above a path's lower end, where a stone in the jaws may touch the ground
+_PRESSING = 0.25  # share of the jaws' own force from which they hold something
 _STEP_S = 0.02  # of the difference quotient for accelerations of the path
 
 _Motion = tuple[Float, Float, Float]  # position, velocity and acceleration of the arm, (n,) each
@@ -43,7 +46,9 @@ class DrivePressure:
 
     Where the gripper or what it holds touches the ground, that may turn the gripper with the
     payload's weight at as much as half the width of the open jaws from the grasp centre. A drive
-    that needs no more than this moment is not judged: those of the wrist never are. The ground may
+    that needs no more than this moment is not judged: those of the wrist never are. Within half a
+    metre of the lower end of a path, jaws that press on a stone may drag it over the ground, or
+    pull at one that is wedged there, by what friction holds of the payload's weight. The ground may
     also carry the arm. Then the other drives do not measure what the measured motion needs, within
     the factor of two, and nothing is judged.
     """
@@ -82,7 +87,9 @@ class DrivePressure:
         if self._looks and sample.stamp_s <= self._looks[-1].stamp_s:
             return ""
         motion = self._measured(sample)
-        lost = self._lost_now(sample, motion, self._on_path(sample, follow, since_s), up_base)
+        path = self._on_path(sample, follow, since_s)
+        drags = self._presses(sample) and self._is_low(sample, follow, up_base)
+        lost = self._lost_now(sample, motion, path, up_base, drags)
         self._looks.append(_Look(sample.stamp_s, motion[1], frozenset(lost)))
         lasting = frozenset.intersection(*(look.lost for look in self._looks))
         if len(self._looks) < LOOKS or not lasting:
@@ -92,15 +99,35 @@ class DrivePressure:
         unit = "N" if joint.kind == "prismatic" else "N·m"
         return f"{joint.name} has no effort where its motion needs {lost[i]:.0f} {unit}"
 
+    def _presses(self, sample: JointSample) -> bool:
+        """Return whether the jaws press on something."""
+        gripper = self._machine.gripper
+        effort_nm = sample.of(self._machine.jaw.name)[2]
+        return bool(effort_nm < -_PRESSING * gripper.tip_force_n * gripper.tip_radius_m)
+
+    def _is_low(self, sample: JointSample, follow: Follow, up_base: Float) -> bool:
+        """Return whether the gripper is near the lower end of the path."""
+        q = np.array([sample.of(name)[0] for name in self._machine.arm_names])
+        columns = [self._machine.arm_names.index(name) for name in follow.trajectory.names]
+        ends = np.stack([q, q])
+        ends[:, columns] = follow.trajectory.position[[0, -1]]
+        heights = [self._kinematics.gripper(one)[:3, 3] @ up_base for one in (q, *ends)]
+        return bool(heights[0] < min(heights[1:]) + _NEAR_M)
+
     def _lost_now(
-        self, sample: JointSample, motion: _Motion, path: Iterator[_Motion], up_base: Float
+        self,
+        sample: JointSample,
+        motion: _Motion,
+        path: Iterator[_Motion],
+        up_base: Float,
+        drags: bool,
     ) -> dict[int, float]:
         """Return the drives that have no effort where they need one, and the least that it is."""
         measured = np.array([sample.of(name)[2] for name in self._machine.arm_names])
         is_none = np.abs(measured) <= self._none
         if not is_none.any():  # so it is at most times, and what is needed costs the most
             return {}
-        moments, needs = self._moments(sample, up_base), np.empty((0, len(measured)))
+        moments, needs = self._moments(sample, up_base, drags), np.empty((0, len(measured)))
         is_lost = is_none
         for motion_on_path in path:  # mostly the first one shows already that no effort is needed
             needs = np.vstack([needs, self._needs([motion_on_path], up_base)])
@@ -143,11 +170,20 @@ class DrivePressure:
             ]
         )
 
-    def _moments(self, sample: JointSample, up_base: Float) -> Float:
-        """Return what a weight beside the grasp centre adds to each effort at most, shape (n,)."""
+    def _moments(self, sample: JointSample, up_base: Float, drags: bool) -> Float:
+        """Return what a weight beside the grasp centre adds to each effort at most, shape (n,).
+
+        With what a stone adds that is dragged over the ground, or wedged there.
+        """
         q = np.array([sample.of(name)[0] for name in self._machine.arm_names])
-        axes = self._kinematics.jacobian(q)[3:].T  # zero for prismatic joints
-        return np.asarray(self._moment_nm * np.linalg.norm(np.cross(axes, up_base), axis=1))
+        J = self._kinematics.jacobian(q)
+        axes = J[3:].T  # zero for prismatic joints
+        turned = self._moment_nm * np.linalg.norm(np.cross(axes, up_base), axis=1)
+        if not drags:
+            return np.asarray(turned)
+        sideways = J[:3] - np.outer(up_base, up_base @ J[:3])
+        pull_n = _DRAGGED * self._machine.payload_kg * GRAVITY_M_S2
+        return np.asarray(turned + pull_n * np.linalg.norm(sideways, axis=0))
 
     def _directions(self, needs: Float, moments: Float) -> Float:
         """Return the sign of the effort that each drive needs in any case; 0 if in none."""

@@ -43,6 +43,7 @@ def sample(
     acceleration=FASTER,
     noise=0.0,
     carried=(),
+    pressing=0.0,
 ):
     """Return what a machine measures that is on its path; lost drives have no effort.
 
@@ -55,7 +56,8 @@ def sample(
     for name, share in carried:
         efforts[ARM.index(name)] *= share
     efforts = efforts + noise * NOISE * LIMITS
-    joints = [*zip(q, dq, efforts, strict=True), (0.5, 0.0, 0.0)]
+    jaw_nm = -pressing * MACHINE.gripper.tip_force_n * MACHINE.gripper.tip_radius_m
+    joints = [*zip(q, dq, efforts, strict=True), (0.5, 0.0, jaw_nm)]
     return JointSample(stamp_s, MACHINE.joint_names, *np.array(joints).T)
 
 
@@ -119,6 +121,32 @@ def test_where_the_ground_carries_the_gripper_nothing_is_judged(share):
     # A boom that measures what it may need tells that nothing else carries the arm.
     heavy = {"lost": ("J_TELE",), "carried": (("J_BOOM", 1.8),)}
     assert any(Watched(swing(FASTER)).all(**heavy))
+
+
+def raised(by_rad):
+    """Return a path on which the boom rises by that, with the dipper out."""
+    times = np.linspace(0.0, LASTS_S, 41)[:, None]
+    low = START + 0.35 * (np.arange(len(ARM)) == ARM.index("J_DIPPER"))
+    rises = by_rad / LASTS_S * (np.arange(len(ARM)) == ARM.index("J_BOOM"))
+    low[ARM.index("J_BOOM")] -= 0.2
+    return JointTrajectory(ARM, times[:, 0], low + rises * times, np.tile(rises, (41, 1)))
+
+
+@pytest.mark.parametrize(("pressing", "by_rad"), [(1.0, 0.05), (1.0, 0.3), (0.0, 0.05)])
+def test_a_stone_that_the_ground_holds_back_relieves_the_dipper_at_the_foot_of_a_path(
+    pressing, by_rad
+):
+    """In 26120192 a trial lift was told as a loss of pressure: the ground pulled at the stone."""
+    one = Watched(raised(by_rad))
+    told = one.all(lost=("J_DIPPER",), pressing=pressing, acceleration=0.0)
+    is_told = [bool(text) for text in told]
+    if pressing == 0.0:
+        assert any(is_told[:20])
+    elif by_rad < 0.1:
+        assert not any(is_told)
+    else:
+        assert not any(is_told[:20])
+        assert any(is_told[40:])
 
 
 @pytest.mark.parametrize("name", ["J_EE_PITCH", "J_EE_ROLL", "J_EE_YAW"])
