@@ -121,9 +121,7 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         standing += adopted
         free = _free([one for one in stones if one not in adopted], for_stone, objects)
         if for_stone is not None and not free:
-            state = next((one.state.value for one in stones if one.id == for_stone), "unknown")
-            told = f"stone {for_stone} cannot be placed: it is {state}, neither held nor lying"
-            return failed(told, is_final=True)
+            return _cannot(for_stone, stones)
         as_built = {one.id: solid_of[one.id] for one in standing}
         solids = solid_stones(free, points, objects, self.settings.room)
         if for_stone is not None:
@@ -135,13 +133,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             tuple(one.stone for one in solids.values()),
             self.context.rng(),
         )
-        if not plan.targets and for_stone is not None:
-            told = f"stone {for_stone} has no other place: {plan.reason}"
-            return failed(told, is_final=True)
-        if not plan.targets:
-            told = plan.detail or "no place holds any stone"
-            return self._over(structure, str(plan.reason), told, standing, plan.refused)
-        return self._next(structure, plan, free, solids, standing)
+        if plan.targets:
+            return self._next(structure, plan, free, solids, standing)
+        if for_stone is not None:
+            return failed(f"stone {for_stone} has no other place: {plan.reason}", is_final=True)
+        told = plan.detail or "no place holds any stone"
+        return self._over(structure, str(plan.reason), told, standing, plan.refused)
 
     def _with_jaws(
         self, stone: Stone, lying: StandingStone, held: Sequence[Grasp | Hold]
@@ -226,6 +223,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         )
         told = tell_slots(self.context, slots)
         return succeeded(BuildingStep(stone.id, list(told)), f"stone {stone.id}")
+
+
+def _cannot(for_stone: int, stones: Sequence[Stone]) -> Outcome[BuildingStep | BuildingOver]:
+    state = next((one.state.value for one in stones if one.id == for_stone), "unknown")
+    told = f"stone {for_stone} cannot be placed: it is {state}, neither held nor lying"
+    return failed(told, is_final=True)
 
 
 def _free(stones: Sequence[Stone], for_stone: int | None, objects: ObjectDatabase) -> list[Stone]:

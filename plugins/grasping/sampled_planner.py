@@ -91,8 +91,7 @@ class SampledPlanner(GraspPlanner):
     Subclasses implement the order in `ordered`.
     """
 
-    # What a plan takes on one core at p95, rounded up (docs/evidence/grasping.md).
-    latency_s: ClassVar[dict[str, float]] = {"plan": 1.2}
+    latency_s: ClassVar[dict[str, float]] = {"plan": 1.2}  # on one core at p95, rounded up
     is_stateless: ClassVar[bool] = True
 
     def __init__(
