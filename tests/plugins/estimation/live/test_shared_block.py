@@ -24,6 +24,7 @@ from typing_extensions import Buffer
 from executive.machine.machine import Machine
 
 LOOK_S = 1.0  # of hammering
+VAIN_S = 60.0  # a loaded computer may hold up each look for so long that nothing is left to see
 STEP_S = 1e-3
 NOISE = InertialNoise(2e-3, 3e-2, 4e-4, 5e-3, 0.1, 9.81, 0.01)
 
@@ -48,10 +49,11 @@ def writing(write: Callable[[int], None], first: int) -> Iterator[None]:
         os.waitpid(writer, 0)
 
 
-def until_over() -> Iterator[int]:
-    """Count looks until the time is over, at least three."""
-    until_s, looks = time.monotonic() + LOOK_S, 0
-    while looks < 3 or time.monotonic() < until_s:
+def until_over(is_enough: Callable[[], bool] = lambda: True) -> Iterator[int]:
+    """Count looks until the time is over, at least three, and until they are enough or in vain."""
+    start_s, looks = time.monotonic(), 0
+    while looks < 3 or time.monotonic() < start_s + LOOK_S or not is_enough():
+        assert time.monotonic() < start_s + VAIN_S, "no look showed anything"
         looks += 1
         yield looks
 
@@ -67,13 +69,16 @@ def test_a_reader_that_lags_gets_no_sample_that_is_written_over(memory: Buffer) 
 
     for number in range(1, SAMPLES + 100):
         write(number)
+    seen: list[int] = []
     with writing(write, SAMPLES + 100):
-        for _ in until_over():
+        for _ in until_over(lambda: bool(seen)):
             end = int(block["published"][0])
             while block["published"][0] < end + 20:  # held up: further samples are written
                 time.sleep(0.001)
             got = samples_from(block, end - SAMPLES, end)[:200]
-            assert got
+            if not got:
+                continue  # held up for so long that all that was asked for is written over
+            seen.append(len(got))
             numbers = [round(one.stamp_s / STEP_S) for one in got]
             assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
             for one, number in zip(got, numbers, strict=True):
