@@ -5,9 +5,11 @@ import importlib
 import json
 from pathlib import Path
 from types import ModuleType
+from typing import get_args
 
 import numpy as np
 import pytest
+from executive_plugins.physics.scenario import Scenario
 
 BENCHMARKS = Path(__file__).parent / "benchmarks"
 
@@ -106,25 +108,38 @@ def test_perception_figures_judge_the_file_that_they_are_given(load, tmp_path, c
     assert "missed: same seed, same bits" in capsys.readouterr().err
 
 
-def attempts(placed: int, stones: int, ranking: str) -> list[dict]:
+def attempts(placed: int, stones: int, ranking: str, scenario: str) -> list[dict]:
     """Make up rows of a benchmark of grasps, the first of them placed at the first attempt."""
     good = {"outcome": "placed", "lifted": True, "dropped": False}
     bad = good | {"outcome": "slip"}
     return [
         {"stones": "generated", "ranking": ranking, "weights": "", "site": 1, "stone": i}
         | {"found": True, "set_aside": None, "flatness": 0.8}
+        | {"scale": 1.0, "scenario": scenario}
         | {"attempts": [good] if i < placed else [bad, good]}
         for i in range(stones)
     ]
 
 
-@pytest.mark.parametrize(("placed", "paper", "status"), [(95, 70, 0), (91, 70, 1), (95, 90, 1)])
+@pytest.mark.parametrize(
+    ("placed", "paper", "scenario", "status"),
+    [
+        (95, 70, "nominal", 0),
+        (89, 70, "nominal", 1),
+        (95, 90, "nominal", 1),
+        (76, 60, "wet", 0),
+        (74, 60, "harsh", 1),
+    ],
+)
 def test_grasps_are_held_to_their_share_and_to_the_paper(
-    load, tmp_path, placed: int, paper: int, status: int
+    load, tmp_path, placed: int, paper: int, scenario: str, status: int
 ) -> None:
     command = load("grasp_attempts")
     assert ended(command, [str(tmp_path), "table"]) == 2
-    rows = attempts(placed, 100, "learned") + attempts(paper, 100, "paper")
+    rows = [
+        *attempts(placed, 100, "learned", scenario),
+        *attempts(paper, 100, "paper", scenario),
+    ]
     (tmp_path / "attempts.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
     assert ended(command, [str(tmp_path), "table"]) == status
 
@@ -148,6 +163,7 @@ def test_maps_are_held_to_drift_and_time(
 def test_the_scenarios_that_a_command_line_knows_are_those_that_there_are(load) -> None:
     assert set(load("estimation_faults").SCENARIOS) == set(load("scenarios.scenario").SCENARIOS)
     assert set(load("grasp_sites").RANKINGS) == set(load("trials.grasp_rows").RANKINGS)
+    assert set(load("grasp_sites").SCENARIOS) == set(get_args(Scenario))
     assert set(load("perception_figures").PARTS) == set(load("trials.perception_figures").PARTS)
 
 

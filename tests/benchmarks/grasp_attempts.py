@@ -8,8 +8,8 @@ each axis. The rest is the machine's own: arm, jaws, encoders, monitors.
 An attempt is placed if no monitor reported trouble on the way, the stone was lifted, and it stands
 after its release no lower than 0.2 m and no farther than 0.6 m from where it was set down. After a
 failed one the stone is viewed and planned anew, up to three times; grasps unlike those before come
-first, as in missions. All rankings see the same views. The bounds are for the learned ranking.
-Fifteen seconds to a minute a site.
+first, as in missions. All rankings see the same views, and plan as in missions, whatever the world
+is. The bounds are for the learned ranking. Fifteen seconds to a minute a site.
 """
 
 import sys
@@ -20,7 +20,7 @@ from grasp_sites import read
 
 USAGE = """
 python tests/benchmarks/grasp_attempts.py FOLDER run generated learned 1:15
-python tests/benchmarks/grasp_attempts.py FOLDER run SCANS learned 1:5 --scale 10
+python tests/benchmarks/grasp_attempts.py FOLDER run SCANS learned 1:5 --scale 10 --scenario wet
 python tests/benchmarks/grasp_attempts.py FOLDER table
 """
 
@@ -31,8 +31,8 @@ def main(words: Sequence[str] | None = None) -> int:
     from trials import grasp_attempts, grasp_rows
 
     if given.verb == "run":
-        sites_run = grasp_attempts.sites_run
-        rows = sites_run(path, given.stones, given.ranking, given.scale, given.sites)
+        world = grasp_rows.World(given.stones, given.scale, given.scenario)
+        rows = grasp_attempts.sites_run(path, world, given.ranking, given.sites)
     else:
         rows = grasp_rows.read(path)
     print(grasp_rows.table(rows))

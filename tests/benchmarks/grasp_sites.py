@@ -7,6 +7,7 @@ from pathlib import Path
 from bounds import command_line, numbers
 
 RANKINGS = ("learned", "paper", "rehearsal")
+SCENARIOS = ("kind", "nominal", "wet", "harsh")
 
 
 def read(
@@ -29,6 +30,7 @@ def read(
     run.add_argument("ranking", choices=RANKINGS)
     run.add_argument("sites", type=numbers, help="such as 3 or 1:15")
     run.add_argument("--scale", type=float, default=1.0, help="of the meshes (default: 1)")
+    run.add_argument("--scenario", choices=SCENARIOS, default="nominal", help="of the world")
     given = parser.parse_args(words)
     path: Path = given.folder / file
     if given.verb == "table" and not path.is_file():

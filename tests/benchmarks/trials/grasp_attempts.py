@@ -39,12 +39,14 @@ from trials.grasp_rows import (
     FIRST_SEED,
     RANKINGS,
     TRIES,
+    World,
     is_first,
     is_success,
     read,
     scans_of,
     shapes_of,
     weights_id,
+    world_of,
 )
 from trials.lone_stones import mesh_solid
 
@@ -288,14 +290,15 @@ def alike(T_a: Float, T_b: Float) -> bool:
     )
 
 
-def lay_out(stones: str, scale: float, ranking: str, number: int, folder: Path) -> Site:
+def lay_out(world: World, ranking: str, number: int, folder: Path) -> Site:
     settings = [*RANKINGS[ranking], f"robot.site.stones.count={A_SITE}"]
-    if stones != "generated":
-        for file in scans_of(Path(stones), scale, number):
+    settings.append(f"robot.scenario={world.scenario}")
+    if world.kind == "scanned":
+        for file in scans_of(Path(world.stones), world.scale, number):
             (folder / file.name).symlink_to(file.resolve())
         settings += [
             f"robot.site.stones.folder={json.dumps(str(folder))}",
-            f"robot.site.stones.scale={scale}",
+            f"robot.site.stones.scale={world.scale}",
         ]
     wanted = ("robot", "motion", "grasping", "monitoring")
     chosen = {
@@ -309,14 +312,16 @@ def lay_out(stones: str, scale: float, ranking: str, number: int, folder: Path) 
     return Site(made.plugins, made.machine)
 
 
-def run_site(stones: str, scale: float, ranking: str, number: int) -> Iterator[dict[str, Any]]:
+def run_site(world: World, ranking: str, number: int) -> Iterator[dict[str, Any]]:
     """Try the stones of one site, the largest first, and yield a row a stone."""
     with tempfile.TemporaryDirectory() as folder:
-        site = lay_out(stones, scale, ranking, number, Path(folder))
+        site = lay_out(world, ranking, number, Path(folder))
     site.run(1.0)
     shapes = shapes_of(site.world.model)
     about = {
-        "stones": "generated" if stones == "generated" else "scanned",
+        "stones": world.kind,
+        "scale": world.scale,
+        "scenario": world.scenario,
         "ranking": ranking,
         "site": number,
     }
@@ -341,22 +346,20 @@ def run_site(stones: str, scale: float, ranking: str, number: int) -> Iterator[d
         }
 
 
-def sites_run(
-    path: Path, stones: str, ranking: str, scale: float, sites: Iterable[int]
-) -> list[dict[str, Any]]:
+def sites_run(path: Path, world: World, ranking: str, sites: Iterable[int]) -> list[dict[str, Any]]:
     """Try those sites that are not in the file, write their rows there, return all rows."""
-    kind = "generated" if stones == "generated" else "scanned"
-    done = {(row["stones"], row["ranking"], row["site"]) for row in read(path)}
+    done = {(world_of(row), row["ranking"], row["site"]) for row in read(path)}
+    of = (world.kind, world.scale, world.scenario)
     for number in sites:
-        if (kind, ranking, number) in done:
+        if (of, ranking, number) in done:
             continue
         begun_s = wall_s()
-        found = list(run_site(stones, scale, ranking, number))
+        found = list(run_site(world, ranking, number))
         with path.open("a") as file:
             file.writelines(json.dumps(row) + "\n" for row in found)
         print(
-            f"{kind} {ranking} site {number}: {sum(map(is_first, found))} of {len(found)}, "
-            f"{wall_s() - begun_s:.0f} s",
+            f"{world.kind} {world.scenario} {ranking} site {number}: "
+            f"{sum(map(is_first, found))} of {len(found)}, {wall_s() - begun_s:.0f} s",
             flush=True,
         )
     return read(path)

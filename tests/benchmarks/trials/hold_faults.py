@@ -21,7 +21,7 @@ from executive.messages.verdict import Trouble, Verdict
 from executive.messages.weight import Weight
 from executive.tree.load import load_mission
 from trials.grasp_attempts import A_SITE, Site, attempt, lay_out
-from trials.grasp_rows import shapes_of
+from trials.grasp_rows import World, shapes_of
 
 FAULTS = ("pressure", "none", "open", "wet")
 WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsional [m]
@@ -145,7 +145,7 @@ class Watched(Monitor):
 def holds_of(number: int) -> Iterator[Hold]:
     """Carry the stones of one site, each once, and yield those that were held."""
     with tempfile.TemporaryDirectory() as folder:
-        site = lay_out("generated", 1.0, "learned", number, Path(folder))
+        site = lay_out(World("generated"), "learned", number, Path(folder))
     monitor = HoldState(_as_shipped(), site.machine)
     monitor.start()
     watched = Watched(site, monitor)
