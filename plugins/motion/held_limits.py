@@ -44,4 +44,4 @@ def held_limits(limits: Limits, levers: Levers, settings: HermiteSettings) -> Li
     sideways = settings.held_sideways_m_s2 / np.maximum(levers.sideways, _LEAST_LEVER)
     acceleration = np.minimum(limits.acceleration, np.minimum(up, sideways))
     jerk = np.minimum(limits.jerk, acceleration / settings.held_ramp)
-    return Limits(limits.velocity, acceleration, jerk)
+    return Limits(limits.velocity, acceleration, jerk, limits.flow)

@@ -13,7 +13,7 @@ from executive_plugins.motion.held_limits import Levers, held_limits
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.move import Move, NoPath
 from executive_plugins.motion.obstacles import Obstacles
-from executive_plugins.motion.oil_flow import within_flow
+from executive_plugins.motion.oil_flow import OilFlow
 from executive_plugins.motion.path_speeds import compile_speeds
 from executive_plugins.motion.self_collision import SelfCollision, held_body, machine_bodies
 from executive_plugins.motion.separation import compile_separation
@@ -210,7 +210,8 @@ class Hermite(MotionPlanner):
                 (machine.max_acceleration, machine.loaded_max_acceleration),
             )
         )
-        return Limits(velocity * share, acceleration * share, machine.max_jerk)
+        flow = OilFlow.of(machine) if self._settings.oil_flow == "limited" else None
+        return Limits(velocity * share, acceleration * share, machine.max_jerk, flow)
 
     def _load(self, request: MoveRequest | PostureRequest | Around) -> float:
         """Return the load of a request, from 0 for none to 1 for that of the loaded limits."""
@@ -246,8 +247,6 @@ class Hermite(MotionPlanner):
         )
 
     def _planned(self, trajectory: JointTrajectory, T_map_base: Float) -> MotionPlan:
-        if self._settings.oil_flow == "limited":
-            trajectory = within_flow(trajectory, self._machine)
         every = max(1, len(trajectory.times_s) // _PATH_POINTS)
         frames = link_frames(self._machine, trajectory.position[::every], 0.0)
         return MotionPlan(

@@ -1,22 +1,46 @@
-"""Paths that ask for no more oil than the pump of a hydraulic machine gives."""
+"""The oil that the pump of a hydraulic machine gives, as a limit on the speed along a path."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
+from executive.arrays import Float
 from executive.machine.machine import Machine
-from executive.messages.trajectory import JointTrajectory
 
 _SHARE = 0.85  # of the pump's flow; the feedback of the drives has the rest
+_NONE_M3 = 1e-12  # of oil for a unit of the path: no joint that needs oil moves
 
 
-def within_flow(trajectory: JointTrajectory, machine: Machine) -> JointTrajectory:
-    """Return a trajectory of all arm joints, slowed down evenly where its largest flow is too much.
+@dataclass(frozen=True, slots=True, eq=False)
+class OilFlow:
+    """What all joints together may take from the pump.
 
-    A slower motion along the same path keeps every limit that the faster one keeps. A machine
-    without hydraulics has no such limit.
+    The flow of a motion is the sum of the joints' speeds, each times its displacement, whichever
+    way it moves. An average of motions has no more than the average of their flows, so that a
+    motion which is smoothed keeps this limit.
+
+    Attributes:
+        displacement: Oil that each joint takes, shape (n,) [m³/rad, or m³/m].
+        most_m3_s: Most that the pump gives [m³/s].
     """
-    if machine.hydraulics is None:
-        return trajectory
-    taken = np.array([machine.hydraulics.displacement[name] for name in trajectory.names])
-    largest_m3_s = float((np.abs(trajectory.velocity) @ taken).max())
-    factor = largest_m3_s / (_SHARE * machine.hydraulics.pump_flow_m3_s)
-    return trajectory.slowed(factor) if factor > 1.0 else trajectory
+
+    displacement: Float
+    most_m3_s: float
+
+    @classmethod
+    def of(cls, machine: Machine) -> "OilFlow | None":
+        """Return the limit of the arm of a machine; None if it has no hydraulics."""
+        hydraulics = machine.hydraulics
+        if hydraulics is None:
+            return None
+        taken = np.array([hydraulics.displacement[name] for name in machine.arm_names])
+        return cls(taken, _SHARE * hydraulics.pump_flow_m3_s)
+
+    def fastest(self, slope: Float) -> Float:
+        """Return the highest speed of a path's parameter, shape (m,).
+
+        Args:
+            slope: How the joints move with the parameter, shape (m, n).
+        """
+        taken_m3 = np.abs(slope) @ self.displacement
+        return np.asarray(self.most_m3_s / np.maximum(taken_m3, _NONE_M3))

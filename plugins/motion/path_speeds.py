@@ -1,6 +1,7 @@
-"""The fastest motion along a path within velocity and acceleration limits of all joints."""
+"""The fastest motion along a path within the limits of all joints and of their oil."""
 
 import numpy as np
+from executive_plugins.motion.oil_flow import OilFlow
 from executive_plugins.motion.path import HermitePath
 from numba import njit
 
@@ -16,7 +17,7 @@ _UNBOUNDED = 1e6  # square of the parameter's speed where no joint moves
 
 
 def path_speeds(
-    path: HermitePath, max_velocity: Float, max_acceleration: Float
+    path: HermitePath, max_velocity: Float, max_acceleration: Float, flow: OilFlow | None = None
 ) -> tuple[Float, Float]:
     """Return parameters (m + 1,) and the squares of the parameter's highest speeds there, (m + 1,).
 
@@ -27,7 +28,8 @@ def path_speeds(
 
     Source: reachability analysis, Pham and Pham, "A new approach to time-optimal path
     parameterization based on reachability analysis", T-RO 2018, Sec. III. The linear programs of
-    one step have two unknowns, and their solutions are written out here.
+    one step have two unknowns, and their solutions are written out here. The flow of oil limits the
+    parameter's speed as a joint's velocity does.
     """
     u = _grid(path.parameters)
     du = np.diff(u)
@@ -41,6 +43,8 @@ def path_speeds(
     caps = np.full(len(u), _UNBOUNDED)
     for sides, slope in ((slice(None, -1), slopes[0]), (slice(1, None), slopes[1])):
         fastest = (max_velocity / np.maximum(np.abs(slope), _FLAT)).min(axis=1)
+        if flow is not None:
+            fastest = np.minimum(fastest, flow.fastest(slope))
         caps[sides] = np.minimum(caps[sides], fastest**2)
     caps[:-1] = np.minimum(caps[:-1], _without_acceleration(of_a, of_b, limit))
     return u, _fastest(_controllable(caps, du, of_a, of_b, limit), du, of_a, of_b, limit)

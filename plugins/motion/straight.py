@@ -18,9 +18,10 @@ def time_line(names: tuple[str, ...], start: Float, goal: Float, limits: Limits)
     """Return the time-optimal motion from rest to rest along a straight line in joint space.
 
     All joints move in proportion, so that the share of the line that is done is the one degree of
-    freedom that Ruckig times; its limits are those of the joint that is closest to its own. The
-    motion has up to seven phases of constant jerk. Each begins and ends at a sample, so that the
-    cubic curves between samples are the motion itself and no limit is exceeded between them.
+    freedom that Ruckig times; its limits are those of the joint that is closest to its own, or of
+    the oil that all of them take. The motion has up to seven phases of constant jerk. Each begins
+    and ends at a sample, so that the cubic curves between samples are the motion itself and no
+    limit is exceeded between them.
 
     Source: Berscheid and Kröger, "Jerk-limited real-time trajectory generation with arbitrary
     target states", RSS 2021.
@@ -53,6 +54,8 @@ def _share(line: Float, limits: Limits) -> ruckig.Trajectory:
         float((limit[moving] / np.abs(line[moving])).min())
         for limit in (limits.velocity, limits.acceleration, limits.jerk)
     )
+    if limits.flow is not None:
+        velocity = min(velocity, float(limits.flow.fastest(line[None])[0]))
     wanted = ruckig.InputParameter(1)
     wanted.current_position, wanted.target_position = [0.0], [1.0]
     wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = (

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.motion.oil_flow import OilFlow
 from executive_plugins.motion.path import HermitePath
 from executive_plugins.motion.path_speeds import path_speeds
 
@@ -15,19 +16,28 @@ _AT_REST = 2  # further control points before and after: three equal ones are a 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limits:
-    """Velocity, acceleration and jerk limits of the joints, shape (n,) each."""
+    """Velocity, acceleration and jerk limits of the joints, shape (n,) each, and of their oil.
+
+    Attributes:
+        velocity: Largest speed of each joint [rad/s, or m/s].
+        acceleration: The same of its acceleration [rad/s², or m/s²].
+        jerk: The same of its jerk [rad/s³, or m/s³].
+        flow: What all joints together may take from a pump; None if nothing limits that.
+    """
 
     velocity: Float
     acceleration: Float
     jerk: Float
+    flow: OilFlow | None = None
 
 
 def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> JointTrajectory:
     """Return a trajectory along a path, from rest to rest, with continuous acceleration.
 
-    1. The fastest motion within velocity and acceleration limits is sampled (`path_speeds`).
+    1. The fastest motion within velocity, flow and acceleration limits is sampled
+       (`path_speeds`).
     2. A moving average over a time T replaces each sample. Averages of positions have averages of
-       velocities and accelerations, so both limits still hold, and no joint leaves its range. The
+       velocities and accelerations, so the limits still hold, and no joint leaves its range. The
        jerk of a joint becomes (a(t) − a(t − T)) / T; T is the shortest that keeps every jerk limit.
     3. The averages are the control points of a uniform cubic B-spline. Its velocity, acceleration
        and jerk are combinations of the points' differences, so that the limits hold at all times,
@@ -58,7 +68,7 @@ def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> Join
 
 def _samples(path: HermitePath, limits: Limits) -> Float:
     """Return positions of the fastest motion without jerk limits, a period apart, shape (m, n)."""
-    u, squares = path_speeds(path, limits.velocity, limits.acceleration)
+    u, squares = path_speeds(path, limits.velocity, limits.acceleration, limits.flow)
     speeds = np.sqrt(squares)
     times = np.concatenate([[0.0], np.cumsum(2 * np.diff(u) / (speeds[1:] + speeds[:-1]))])
     count = max(1, int(np.ceil(times[-1] / PERIOD_S)))
@@ -98,4 +108,6 @@ def _excess(points: Float, limits: Limits) -> float:
         (np.abs(np.diff(points, order, axis=0)) / PERIOD_S**order / limit).max() ** (1 / order)
         for order, limit in enumerate((limits.velocity, limits.acceleration, limits.jerk), start=1)
     ]
+    if limits.flow is not None:
+        above.append(float(1.0 / limits.flow.fastest(np.diff(points, axis=0) / PERIOD_S).min()))
     return float(max(1.0, *above))

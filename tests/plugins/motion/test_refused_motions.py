@@ -99,7 +99,7 @@ def test_the_flow_of_oil_slows_a_motion_down_only_where_it_is_asked_for() -> Non
     most = [float((np.abs(one.velocity) @ taken).max()) for one in plans]
     assert most[0] <= 0.85 * M545.hydraulics.pump_flow_m3_s * 1.001
     assert most[1] > 0.85 * M545.hydraulics.pump_flow_m3_s
-    np.testing.assert_array_equal(plans[0].position, plans[1].position)
+    np.testing.assert_allclose(plans[0].position[-1], plans[1].position[-1])
     assert plans[0].duration_s > plans[1].duration_s
 
 
