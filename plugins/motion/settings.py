@@ -58,12 +58,12 @@ class HermiteSettings(PluginSettings):
         "ones to the loaded ones as its mass is on the way to the payload.",
     )
     held_up_m_s2: float = Field(
-        0.6,
+        1.0,
         gt=0,
         le=10,
-        description="Largest vertical acceleration that one joint gives a held stone [m/s²]: 6 % "
-        "of its weight, two standard deviations of a weighing. A grip that just bears the stone at "
-        "rest slides under more.",
+        description="Largest vertical acceleration that one joint gives a held stone [m/s²]: 10 % "
+        "of its weight. A grip that just bears the stone at rest slides under more; with less no "
+        "grip was shown to hold better.",
     )
     held_sideways_m_s2: float = Field(
         1.2,
