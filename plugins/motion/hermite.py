@@ -1,9 +1,11 @@
 """The paper's heuristic planner: waypoints along the ground normal, Hermite curves between."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
+from executive_plugins.motion.carried_load import CarriedLoad
 from executive_plugins.motion.collision import CollisionCheck
 from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
@@ -26,6 +28,7 @@ from executive.arrays import Float, checked
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
+from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import Around, MotionPlan, MoveRequest, PostureRequest
@@ -154,7 +157,19 @@ class Hermite(MotionPlanner):
             limits=self.limits(request),
             clearance_m=settings.clearance,
             least_arrival=settings.least_arrival,
+            load=self._carried(request),
         )
+
+    def _carried(self, request: MoveRequest | PostureRequest) -> CarriedLoad | None:
+        """Return the stone in the jaws of a machine that may tip; None if nobody has weighed it."""
+        may_tip = self._machine.stance.limits_by_tipping(self._settings.lift_capacity)
+        if not may_tip or request.held_gripper is None or request.held_kg is None:
+            return None
+        return CarriedLoad(self._capacity, request.held_kg)
+
+    @cached_property
+    def _capacity(self) -> LiftCapacity:
+        return LiftCapacity(self._machine)
 
     def _sweep_check(self, start: Float, around: Around) -> SelfCollision:
         """Return the check of the machine with itself, and with a held stone if there is one."""
@@ -210,7 +225,7 @@ class Hermite(MotionPlanner):
                 (machine.max_acceleration, machine.loaded_max_acceleration),
             )
         )
-        flow = OilFlow.of(machine) if self._settings.oil_flow == "limited" else None
+        flow = None if self._settings.oil_flow == "free" else OilFlow.of(machine)
         return Limits(velocity * share, acceleration * share, machine.max_jerk, flow)
 
     def _load(self, request: MoveRequest | PostureRequest | Around) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from executive_plugins.motion.carried_load import CarriedLoad
 from executive_plugins.motion.collision import CollisionCheck
 from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
@@ -22,6 +23,7 @@ _HIGHER_M = (0.0, 0.6, 1.2)  # added to the travelling height while the path is 
 _BESIDE_EACH_OTHER_M = 0.6  # tops closer than this need no lift between them
 _BESIDE_M = 1.5  # margin of the cleared sector beyond the radii of the gripper
 _BESIDE_RAD = 0.2  # margin of the cleared sector beyond its azimuths
+_DRAWN_M = (0.0, 0.3, 0.6)  # a load is drawn in by so much more than the posture `carry` has it
 _ALIKE_COS = 0.9994  # directions within 2 deg count as the same
 
 
@@ -47,6 +49,7 @@ class Move:
         limits: Limits of the joints.
         clearance_m: Height kept above obstacles while travelling.
         least_arrival: Share of the arrival that must be in reach.
+        load: What is carried by a machine that may tip; None where tipping limits nothing.
     """
 
     machine: Machine
@@ -58,6 +61,7 @@ class Move:
     limits: Limits
     clearance_m: float
     least_arrival: float
+    load: CarriedLoad | None = None
 
     def leave(self, start: Float, normal: Float, length_m: float) -> Line | NoPath:
         """Move up from the start as far as the arm reaches; it fails only by a collision."""
@@ -87,15 +91,33 @@ class Move:
         return first or NoPath("goal out of reach")
 
     def travel(self, leave: Line, arrive: Line) -> JointTrajectory | NoPath:
-        """Connect the two tops, with the least height and the shorter turn first."""
+        """Connect the two tops, with the least height and the shorter turn first.
+
+        With a load, a path comes first on which the machine may lift it: drawn in, where the direct
+        path is too far out. If there is none, the free path with the greatest lift capacity is
+        returned; whoever carries the load judges that.
+        """
         first: NoPath | None = None
+        best: tuple[float, JointTrajectory] | None = None
         for path in self._paths(leave, arrive):
             timed = self._timed(path)
             hit = self.check.first_hit_along(timed)
-            if hit is None:
+            if hit is not None:
+                told = f"travelling: collision of {hit[1]} at fraction {hit[0]:.2f}"
+                first = first or NoPath(told)
+                continue
+            spare_kg = np.inf if self.load is None else self.load.spare_kg(timed.position)
+            if spare_kg >= 0.0:
                 return timed
-            first = first or NoPath(f"travelling: collision of {hit[1]} at fraction {hit[0]:.2f}")
-        return first or NoPath("travelling: no path")
+            best = (spare_kg, timed) if best is None or spare_kg > best[0] else best
+            if not self._has_room_for_load(leave, arrive):
+                break
+        return best[1] if best else first or NoPath("travelling: no path")
+
+    def _has_room_for_load(self, leave: Line, arrive: Line) -> bool:
+        """Return whether the machine may lift the load at both ends, so that a path may help."""
+        ends = (leave.nodes, arrive.nodes)
+        return self.load is None or min(map(self.load.spare_kg, ends)) >= 0.0
 
     def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""
@@ -112,9 +134,24 @@ class Move:
             for shift_rad in self.waypoints.turn_shifts(a, b):
                 turned = Line(self.waypoints.shifted(arrive.nodes, shift_rad), arrive.length_m)
                 top_m = self._highest_between(a, turned.nodes[-1]) + self.clearance_m + higher_m
-                yield self._path(
-                    leave, [self._lift(q, top_m) for q in (a, turned.nodes[-1])], turned
-                )
+                tops = a, turned.nodes[-1]
+                lifts = [self._lift(q, top_m) for q in tops]
+                yield self._path(leave, lifts, turned)
+                if self.load is not None:
+                    over = tuple(
+                        q if lift is None else lift for q, lift in zip(tops, lifts, strict=True)
+                    )
+                    yield from self._drawn_in(leave, lifts, over, turned)
+
+    def _drawn_in(
+        self, leave: Line, lifts: list[Float | None], over: tuple[Float, ...], arrive: Line
+    ) -> Iterator[HermitePath]:
+        """Yield paths that draw the load in before they turn, and put it out after that."""
+        for nearer_m in _DRAWN_M:
+            radius_m = self.waypoints.carry_radius_m - nearer_m
+            drawn = [self.waypoints.drawn(q, radius_m) for q in over]
+            if any(q is not None for q in drawn):
+                yield self._path(leave, [lifts[0], *drawn, lifts[1]], arrive)
 
     def _lift(self, q: Float, lowest_m: float) -> Float | None:
         return self.waypoints.lift(

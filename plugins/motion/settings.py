@@ -78,10 +78,17 @@ class HermiteSettings(PluginSettings):
         description="Least time in which these accelerations set in [s]: a period of the arm's "
         "servo loops, so that they do not swing.",
     )
-    oil_flow: Literal["free", "limited"] = Field(
+    lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
+        "by_base",
+        description="Whether paths with a weighed stone keep the rated lift capacity by radius and "
+        "side where one does, and draw the stone in for that (ISO 10567); by_base does where the "
+        "machine may tip.",
+    )
+    oil_flow: Literal["free", "limited", "by_machine"] = Field(
         "free",
         description="Whether motions are slowed down where they would ask for more oil than the "
-        "pump gives (`hydraulics` of the machine's robot.yaml); for hydraulic drives.",
+        "pump gives (`hydraulics` of the machine's robot.yaml); by_machine does where the machine "
+        "has a pump.",
     )
     inverse_kinematics: InverseKinematicsSettings = Field(
         InverseKinematicsSettings(), description="How positions for a pose are found."

@@ -79,6 +79,30 @@ class Waypoints:
             T, q = tried
         return q if T[2, 3] > start_m + _CLIMBED_M else None
 
+    def drawn(self, q: Float, radius_m: float) -> Float | None:
+        """Return positions with the gripper at a radius about the base, nearer than it is.
+
+        Height, azimuth and orientation are kept. None if it is as near already, or the arm does
+        not get there.
+        """
+        T = self._kinematics.gripper(q)
+        from_m = float(np.hypot(*T[:2, 3]))
+        if from_m <= radius_m + _CLIMBED_M:
+            return None
+        for to_m in np.linspace(from_m, radius_m, int(np.ceil((from_m - radius_m) / _CLIMB_M)) + 1):
+            nearer = T.copy()
+            nearer[:2, 3] *= to_m / from_m
+            found = self._ik.track(nearer, q)
+            if found is None:
+                return None
+            q = found
+        return q
+
+    @property
+    def carry_radius_m(self) -> float:
+        """Distance of the gripper from the middle of the base in the posture `carry` [m]."""
+        return self._carry_radius_m
+
     def turn_shifts(self, q_from: Float, q_to: Float) -> list[float]:
         """Return shifts of the turning joint at the far end, shorter turn first [rad].
 

@@ -18,11 +18,12 @@ class SlotsSettings(PluginSettings):
         min_length=1,
         description="Distances of rows of slots from the machine, preferred first [m].",
     )
-    prefer: Literal["by_base", "given", "nearest"] = Field(
+    prefer: Literal["by_base", "given", "nearest", "capacity"] = Field(
         "by_base",
-        description="Which slots come first: those of the first row given with room for all, or "
-        "the nearest, where a machine that may tip holds most; `by_base`: the nearest where the "
-        "base may tip (`on_legs`, `on_wheels`).",
+        description="Which slots come first: those of the first row given with room for all; the "
+        "nearest; or, by `capacity`, for each stone of the site, the heaviest first, the nearest "
+        "where the machine may lift it (ISO 10567); `by_base`: by capacity where the base may tip "
+        "(`on_legs`, `on_wheels`), else as given.",
     )
     spacing_m: Meters = Field(
         1.9, gt=0, description="Distance between slots of a row; open jaws must fit between [m]."

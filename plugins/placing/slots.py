@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from executive_plugins.placing.allowed_places import AllowedPlaces
 from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
+from executive_plugins.placing.liftable_places import assigned, masses_kg, rated_kg
 from executive_plugins.placing.release import HeldStone, aligned_poses, release_poses
 from executive_plugins.placing.row_of_stones import row_of_stones
 from executive_plugins.placing.settings import SlotsSettings
@@ -52,9 +53,10 @@ class Slots(PlacementPlanner):
 
         On arcs, those that need the least swing of the cabin come first. The first row
         with room for all slots is taken; if there is none, the rows are filled one after the other.
-        For a machine that may tip they are filled from the nearest on, where it holds most. A
-        layout with a row of its own gives the places along that row instead; there the distance of
-        faces takes the place of `clearance_m` and `spacing_m`.
+        For a machine that may tip the rows start at the nearest, and the heaviest stone of the site
+        gets the first place where the machine may lift it, then the next one; see
+        `liftable_places`. A layout with a row of its own gives the places along that row instead;
+        there the distance of faces takes the place of `clearance_m` and `spacing_m`.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         if layout.row is not None:
@@ -69,16 +71,24 @@ class Slots(PlacementPlanner):
             row = self._row(radius_m, ground, places, T_map_base, allowed)
             is_enough = len(row) >= count and not self._is_nearest_first
             places = row if is_enough else np.concatenate([places, row])
-            if len(places) >= count:
+            if len(places) >= count and not self._is_by_capacity:
                 break
+        if self._is_by_capacity and len(places):
+            rated = rated_kg(self._machine, places, T_map_base)
+            places = places[assigned(rated, masses_kg(segmentation), count)]
         places = places[:count]
         return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
 
     @property
+    def _is_by_capacity(self) -> bool:
+        """Whether the stones of the site get places where the machine may lift them."""
+        prefer = self._settings.prefer
+        return prefer == "capacity" or (prefer == "by_base" and self._machine.stance.is_free)
+
+    @property
     def _is_nearest_first(self) -> bool:
         """Whether each place near the machine comes before those that are farther off."""
-        prefer = self._settings.prefer
-        return prefer == "nearest" or (prefer == "by_base" and self._machine.stance.is_free)
+        return self._is_by_capacity or self._settings.prefer == "nearest"
 
     def _radii_m(self) -> tuple[float, ...]:
         """Return the distances of rows from the machine, preferred first [m]."""

@@ -1,7 +1,7 @@
 """The parts of a move, with a check and obstacles that say what the test wants."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -211,3 +211,55 @@ def test_arrivals_are_sought_from_below_and_from_above_near_the_present_posture_
     assert list(made._arrivals(far, carry, slope, length_m)) == []
     tall = list(made._arrivals(goal, carry, slope, 9.0))
     assert [one.length_m < 8.0 for one in tall] == [True, True]
+
+
+class Load:
+    """Spares what is given for each path, one after the other, and enough at the ends."""
+
+    def __init__(self, *spares_kg: float, at_ends_kg: float = 100.0) -> None:
+        self.spares_kg, self.at_ends_kg = list(spares_kg), at_ends_kg
+        self.asked: list[Float] = []
+
+    def spare_kg(self, positions: Float) -> float:
+        if len(positions) == 1:
+            return self.at_ends_kg
+        self.asked.append(positions)
+        return self.spares_kg.pop(0)
+
+
+def far_out(machine: Machine, made: Move, angle_rad: float) -> Line:
+    T = pose(t=np.array([1.5, 0.0, 0.5])) @ Kinematics(machine).gripper(machine.posture("carry"))
+    q = made.inverse_kinematics.solve(T, machine.posture("carry"))
+    assert q is not None
+    q[machine.arm_names.index(machine.turn_joint)] += angle_rad
+    return Line(q[None], 0.0)
+
+
+def radius_m(machine: Machine, positions: Float) -> float:
+    at = [Kinematics(machine).gripper(q)[:2, 3] for q in positions[:: len(positions) // 20]]
+    return float(np.hypot(*np.array(at).T).min())
+
+
+def test_a_load_that_is_too_heavy_on_the_direct_path_is_drawn_in(machine: Machine) -> None:
+    made = replace(move(machine, None, None), load=Load(-50.0, 20.0))
+    found = made.travel(far_out(machine, made, 0.0), far_out(machine, made, 1.5))
+    assert isinstance(found, JointTrajectory)
+    direct, drawn = made.load.asked
+    np.testing.assert_array_equal(found.position, drawn)
+    assert radius_m(machine, drawn) < made.waypoints.carry_radius_m + 0.05
+    assert radius_m(machine, direct) > made.waypoints.carry_radius_m + 0.5
+
+
+def test_the_path_with_the_greatest_capacity_is_taken_if_none_is_enough(machine: Machine) -> None:
+    made = replace(move(machine, *[None] * 40), load=Load(-50.0, -10.0, *[-70.0] * 38))
+    found = made.travel(far_out(machine, made, 0.0), far_out(machine, made, 1.5))
+    assert isinstance(found, JointTrajectory)
+    np.testing.assert_array_equal(found.position, made.load.asked[1])
+
+
+def test_no_other_path_is_sought_for_a_load_that_is_too_heavy_at_an_end(machine: Machine) -> None:
+    made = replace(move(machine, None), load=Load(-50.0, at_ends_kg=-1.0))
+    assert isinstance(
+        made.travel(far_out(machine, made, 0.0), far_out(machine, made, 1.5)), JointTrajectory
+    )
+    assert len(made.load.asked) == 1

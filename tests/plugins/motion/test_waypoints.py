@@ -135,3 +135,29 @@ def test_a_turn_with_limits_has_one_way_round(machine: Machine, waypoints: Waypo
     limited._machine = SimpleNamespace(lower=np.full(len(machine.joints), -2.0))  # type: ignore[assignment]
     carry = machine.posture("carry")
     assert limited.turn_shifts(carry, carry + 1.0) == [0.0]
+
+
+def test_a_load_is_drawn_in_at_its_height_and_azimuth(
+    machine: Machine, waypoints: Waypoints
+) -> None:
+    kinematics, radius_m = Kinematics(machine), waypoints.carry_radius_m
+    out = waypoints._ik.solve(
+        pose(t=np.array([1.5, 0.0, 0.5])) @ kinematics.gripper(machine.posture("carry")),
+        machine.posture("carry"),
+    )
+    drawn = waypoints.drawn(out, radius_m)
+    before, after = kinematics.gripper(out), kinematics.gripper(drawn)
+    assert np.hypot(*after[:2, 3]) == pytest.approx(radius_m, abs=0.01)
+    np.testing.assert_allclose(
+        [after[2, 3], np.arctan2(after[1, 3], after[0, 3])],
+        [before[2, 3], np.arctan2(before[1, 3], before[0, 3])],
+        atol=0.01,
+    )
+    assert angle_between(after[:3, :3], before[:3, :3]) < 0.07
+
+
+@pytest.mark.parametrize("radius_m", [4.1, 9.0, 1.0])
+def test_a_load_that_is_near_already_or_gets_no_nearer_is_not_drawn_in(
+    machine: Machine, waypoints: Waypoints, radius_m: float
+) -> None:
+    assert waypoints.drawn(machine.posture("carry"), radius_m) is None

@@ -91,6 +91,7 @@ def test_more_than_a_row_holds_fills_further_rows(planner_of: Callable, site: tu
         (True, "by_base", 4.5),
         (True, "given", 6.0),
         (False, "nearest", 4.5),
+        (False, "capacity", 4.5),
     ],
 )
 def test_a_machine_that_may_tip_has_its_slots_near(
@@ -125,6 +126,25 @@ def test_places_near_a_machine_that_may_tip_are_used_though_farther_ones_would_d
     first, last = near["nearest"][0], near["nearest"][-1]
     assert first
     assert not last
+
+
+def test_a_heavy_stone_gets_a_place_where_a_machine_that_may_tip_lifts_it(
+    planner_of: Callable, machine: Machine, site: tuple
+) -> None:
+    """Without the masses of the stones the first place is the one nearest the front."""
+    block, ground, segmented, _ = site
+    heavy = block((7.5, 1.5), height_m=1.0, half_m=0.5)  # 2.7 t
+    points = ground()
+    beside = points[np.abs(np.arctan2(points[:, 1], points[:, 0]) - np.pi / 2) < 0.4]
+    behind = points[np.abs(np.arctan2(points[:, 1], points[:, 0]) + 3.0) < 0.4]
+    segmentation = segmented(np.vstack([beside, behind]), heavy)
+    found = {}
+    for prefer in ("nearest", "capacity"):
+        planner = planner_of(prefer=prefer, radii_m=(5.0,))
+        planner._machine = machine
+        found[prefer] = places(planner, segmentation, count=1)[0]
+    assert found["nearest"][1] > 4.0
+    assert found["capacity"][0] < -4.0
 
 
 def test_slots_out_of_reach_are_not_offered(planner_of: Callable, site: tuple) -> None:
