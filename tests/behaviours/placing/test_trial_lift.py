@@ -17,14 +17,22 @@ from executive.messages.weight import Weight
 from tests.behaviours.placing.scene import NO_PATH, plugins
 
 
-def planned(stage, world, off_rad=0.0, risen_m=0.0):
+def planned(stage, world, off_rad=0.0, risen_m=0.0, rises=1.0):
     """Let the planner answer a path that ends off the place where the arm stays.
 
-    The gripper is above the grasp by a height.
+    The gripper is above the grasp by a height, and by a share of each lift that is asked for, the
+    last share for all further ones.
     """
-    T = world.hold.T_map_gripper @ pose()
-    T[2, 3] += risen_m
-    world.leaf_context.gripper = lambda: T.copy()
+    shares = [rises] if isinstance(rises, float) else list(rises)
+
+    def gripper():
+        T = world.hold.T_map_gripper @ pose()
+        asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
+        risen = [way_m * shares[min(i, len(shares) - 1)] for i, way_m in enumerate(asked)]
+        T[2, 3] += risen_m + sum(risen)
+        return T
+
+    world.leaf_context.gripper = gripper
     names = world.leaf_context.machine().arm_names
     stay = np.stack([world.leaf_context.arm()] * 2)
     stay[1] += off_rad
@@ -43,7 +51,7 @@ def held_kg(world, database):
 def test_a_stone_of_which_the_ground_carries_a_part_is_not_lifted(
     stage, world, database, share, status
 ):
-    planned(stage, world, risen_m=0.05)
+    planned(stage, world, risen_m=0.05, rises=0.0)
     whole_kg = held_kg(world, database)
     world.leaf_context.payload = share * whole_kg
     ended = world.tick(TrialLift, hold=world.hold)
@@ -118,7 +126,7 @@ def test_it_lifts_by_a_little_from_the_grasp_and_waits(stage, world):
     (asked,) = plugins(world)["motion"].calls("move")
     goal = asked["request"].T_map_gripper
     assert goal[2, 3] == pytest.approx(world.hold.T_map_gripper[2, 3] + 0.1)
-    assert goal[:2, 3] == pytest.approx(world.leaf_context.gripper()[:2, 3])
+    assert goal[:2, 3] == pytest.approx(world.hold.T_map_gripper[:2, 3])
     assert asked["request"].leave_m == pytest.approx(0.1)  # straight up
     assert world.leaf_context.time_s - began_s > 3.0  # the motion, and the wait
 
@@ -128,6 +136,24 @@ def test_a_grip_that_was_raised_meanwhile_is_lifted_by_the_rest_alone(stage, wor
     assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
     (asked,) = plugins(world)["motion"].calls("move")
     assert asked["request"].leave_m == pytest.approx(0.2 - 0.08)
+
+
+@pytest.mark.parametrize(
+    ("rises", "lifts"), [([1.0], 1), ([0.8], 1), ([0.4, 0.9], 2), ([0.0, 0.5, 1.0], 3), ([0.0], 3)]
+)
+def test_a_machine_that_sinks_under_the_load_lifts_on_up_to_three_times(stage, world, rises, lifts):
+    planned(stage, world, rises=rises)
+    assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
+    asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
+    assert len(asked) == lifts
+    if lifts == 2:
+        np.testing.assert_allclose(asked, [0.2, 0.2 * (1 - 0.4)])
+
+
+def test_an_arm_that_is_held_back_does_not_lift_on(stage, world):
+    planned(stage, world, off_rad=0.05, rises=0.0)
+    assert world.tick(TrialLift, hold=world.hold).status == "FAILURE"
+    assert len(plugins(world)["motion"].calls("move")) == 1
 
 
 def test_a_stone_that_hangs_higher_already_is_not_lowered(stage, world):
