@@ -236,7 +236,7 @@ def carry(site: Site, i: int, stone: Stone) -> dict[str, Any]:
     elif told:
         site.plugins["robot"].stop()
         site.run(1.5)
-        if has_arrived(site.gripper(), T_place, told[0]):
+        if T_place is not None and has_arrived(site.gripper(), T_place, told[0]):
             told = []
         else:
             site.move(T_grasp, 0.0, 0.5, others)  # down again, if there is a way
