@@ -8,6 +8,7 @@ from executive_plugins.estimation.cabin.estimator import UNKNOWN_BODY_GATE, Cabi
 from executive_plugins.estimation.filters.antenna_streams import AntennaStreams, antenna_records
 from executive_plugins.estimation.filters.chassis_at_rest import ChassisAtRest
 from executive_plugins.estimation.filters.fix_judgement import FixJudgement
+from executive_plugins.estimation.filters.inertial_way import KeptFilter
 from executive_plugins.estimation.filters.kept_state import KeptState
 from executive_plugins.estimation.filters.odometry_witnesses import OdometryWitnesses
 from executive_plugins.estimation.filters.refused_fixes import TRUSTED, RefusedFixes
@@ -92,7 +93,7 @@ class GnssImuFilter(CabinEstimator):
         self._sensors = SensorTrial(self._propagator, self._noise, kept_s, TRUSTED)
         self._frozen = FrozenSamples()
         self._witnesses = OdometryWitnesses(
-            self._machine, self._T_imu_cabin, self._antennas_imu, kept_s
+            self._machine, self._T_imu_cabin, self._antennas_imu, kept_s, self._propagator
         )
 
     def _start_at(self, found: Found) -> None:
@@ -184,12 +185,13 @@ class GnssImuFilter(CabinEstimator):
         if self._status() == SUSPECT:
             self._contradicted_s = max(self._contradicted_s, apart_s)
         if self._stamp_gate.admits(stream, increment.to_s):
-            look = partial(self._look, trailing.kalman, increment)
+            look = partial(self._look, trailing, increment)
             trailing.add_apart(Correction(increment.to_s, look))
 
-    def _look(self, kalman: ErrorStateFilter, increment: LidarIncrement) -> None:
+    def _look(self, trailing: TrailingFilter[ErrorStateFilter], increment: LidarIncrement) -> None:
         """Keep the filter at the end of an increment, to be compared."""
-        self._witnesses.look(kalman.block, increment, self._status() == GLOBAL)
+        kept = KeptFilter(trailing.kalman.block.copy(), trailing.first)
+        self._witnesses.look(kept, increment, self._status() == GLOBAL)
 
     def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
         if not self._chassis.add(stamp_s, rate_cabin):

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import numpy as np
+from executive_plugins.estimation.cholesky import squared_distance
+from executive_plugins.estimation.filters.inertial_way import InertialWay, KeptFilter
 from executive_plugins.estimation.filters.odometry_window import (
     TURN,
     WAY,
@@ -18,7 +20,7 @@ from executive_plugins.estimation.filters.odometry_window import (
 )
 from executive_plugins.estimation.gate.drift_record import DriftRecord
 from executive_plugins.estimation.gate.innovation_alarm import binary, usual_size
-from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.live.propagator import LivePropagator
 
 from executive.arrays import Float
 from executive.geometry import chi_square
@@ -42,14 +44,16 @@ class OdometryWitness:
             of odometry explain what differs.
     """
 
-    def __init__(self, kept_s: float) -> None:
+    def __init__(self, kept_s: float, propagator: LivePropagator) -> None:
         """Begin without increments.
 
         Args:
             kept_s: The longest time over which motions are compared [s].
+            propagator: Has the inertial samples.
         """
         self._kept_s = kept_s
         self._looks: deque[Look] = deque()
+        self._inertial = InertialWay(propagator, kept_s / _PARTS[0])
         self._drift = DriftRecord(kept_s / _PARTS[_LEARNT])
         self.forget()
 
@@ -65,15 +69,16 @@ class OdometryWitness:
         self.turned2: Float = np.zeros((3, 3))
         self.moved2: Float = np.zeros((3, 3))
 
-    def take(self, block: Block, increment: LidarIncrement, is_sound: bool) -> None:
+    def take(self, kept: KeptFilter, increment: LidarIncrement, is_sound: bool) -> None:
         """Take an increment at its end.
 
         Args:
-            block: The filter at that time, shape (1,), dtype `FILTER`.
+            kept: The filter at that time.
             increment: The motion of the IMU.
             is_sound: Whether nothing else speaks against the state.
         """
-        looks = self._looks
+        looks, block = self._looks, kept.block
+        self._inertial.add(kept)
         if not looks or abs(looks[-1].stamp_s - increment.from_s) > 1e-6:
             self.forget()
             looks.append(Look.at(block))
@@ -83,7 +88,7 @@ class OdometryWitness:
             looks.popleft()
         windows = list(self._windows())
         limit = _limit(binary(looks[-1].stamp_s - increment.from_s))
-        if is_sound and windows and _is_refuted(windows[0], limit):
+        if is_sound and windows and self._is_refuted(windows[0], limit):
             self.forget()
             return
         self.turned2 = self._judged(0, TURN, windows, limit)
@@ -119,20 +124,27 @@ class OdometryWitness:
             key=np.trace,
         )
 
+    def _is_refuted(self, window: OdometryWindow, limit: float) -> bool:
+        """Return whether inertial samples refute the way of odometry: the third witness.
+
+        They must contradict it by themselves as well: a filter that is drawn by fixes does not show
+        what they tell. Where turns differ, the gyroscope may be wrong, and with it the axes in
+        which ways are compared.
+        """
+        if window.distance2(TURN) > _USUAL or window.carried_distance2() <= limit:
+            return False
+        found = self._inertial.end(window.begin.stamp_s, window.end.stamp_s)
+        if found is None:
+            return False
+        apart = window.apart[WAY] + found[0] - window.end.p
+        return squared_distance(window.covariance(WAY) + found[1], apart) > limit
+
     def _learn(self, window: OdometryWindow) -> None:
         """Take the drift of a window that is usual, unless noise hides the usual one."""
         noise2 = float(np.trace(window.noise[WAY, WAY]))
         if window.distance2(WAY) <= _USUAL and noise2 < 3 * (window.drift * window.length_m) ** 2:
             excess2 = max(0.0, float(window.apart[WAY] @ window.apart[WAY]) - noise2)
             self._drift.add(window.end.stamp_s, float(np.sqrt(excess2)), window.length_m)
-
-
-def _is_refuted(window: OdometryWindow, limit: float) -> bool:
-    """Return whether inertial samples refute the way of odometry: the third witness.
-
-    Where turns differ, the gyroscope may be wrong, and with it the axes in which ways are compared.
-    """
-    return window.distance2(TURN) <= _USUAL and window.carried_distance2() > limit
 
 
 @lru_cache(maxsize=64)

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from executive_plugins.estimation.filters.inertial_way import KeptFilter
 from executive_plugins.estimation.filters.odometry_witness import OdometryWitness
-from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.live.propagator import LivePropagator
 
 from executive.arrays import Float
 from executive.geometry.pose import adjoint, inverse, transform
@@ -20,7 +21,12 @@ class OdometryWitnesses:
     """A witness for each stream of odometry; where one contradicts it, a state is less certain."""
 
     def __init__(
-        self, rig: Rig, T_imu_cabin: Float, antennas_imu: Mapping[str, Float], kept_s: float
+        self,
+        rig: Rig,
+        T_imu_cabin: Float,
+        antennas_imu: Mapping[str, Float],
+        kept_s: float,
+        propagator: LivePropagator,
     ) -> None:
         """Begin without odometry.
 
@@ -29,39 +35,40 @@ class OdometryWitnesses:
             T_imu_cabin: Cabin in the IMU's frame, shape (4, 4).
             antennas_imu: The antennas in IMU axes [m], shape (3,) each, by name.
             kept_s: The longest time over which motions are compared [s].
+            propagator: Has the inertial samples.
         """
-        self._rig, self._T_imu_cabin, self._kept_s = rig, T_imu_cabin, kept_s
+        self._rig, self._T_imu_cabin, self._known = rig, T_imu_cabin, (kept_s, propagator)
         middle = np.mean(list(antennas_imu.values()), axis=0)
         # Fixes hold the antennas: an error of the rotation moves the cabin about these.
         self._arm = transform(inverse(T_imu_cabin), middle)
         self._witnesses: dict[str, OdometryWitness] = {}
-        self._waiting: deque[tuple[Block, LidarIncrement, bool]] = deque()
+        self._waiting: deque[tuple[KeptFilter, LidarIncrement, bool]] = deque()
 
     def knows(self, frame: str) -> bool:
         """Return whether a sensor of odometry is on the cabin."""
         sensor = self._rig.sensors.get(frame)
         return sensor is not None and sensor.link == self._rig.cabin_link
 
-    def look(self, block: Block, increment: LidarIncrement, is_sound: bool) -> None:
+    def look(self, kept: KeptFilter, increment: LidarIncrement, is_sound: bool) -> None:
         """Keep a filter at the end of an increment, to be compared later.
 
         Comparing takes longer than the rest of an inertial sample, and can wait for the next
         increment.
 
         Args:
-            block: The filter, shape (1,), dtype `FILTER`.
+            kept: A copy of the filter.
             increment: Of a frame that is known.
             is_sound: Whether nothing else speaks against the filter.
         """
-        self._waiting.append((block.copy(), increment, is_sound))
+        self._waiting.append((kept, increment, is_sound))
 
     def compare(self) -> float:
         """Compare what was kept; return when odometry contradicted a filter last [s], else -inf."""
         apart_s = -np.inf
         while self._waiting:
-            block, increment, is_sound = self._waiting.popleft()
-            witness = self._witnesses.setdefault(increment.frame, OdometryWitness(self._kept_s))
-            witness.take(block, self._of_imu(increment), is_sound)
+            kept, increment, is_sound = self._waiting.popleft()
+            witness = self._witnesses.setdefault(increment.frame, OdometryWitness(*self._known))
+            witness.take(kept, self._of_imu(increment), is_sound)
             if witness.is_apart:
                 apart_s = max(apart_s, increment.to_s)
         return float(apart_s)

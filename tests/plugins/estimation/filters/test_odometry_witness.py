@@ -1,17 +1,22 @@
 """Odometry beside a filter that walks by 1 m/s: what contradicts it, and what does not."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from executive_plugins.estimation.filters.inertial_way import KeptFilter
 from executive_plugins.estimation.filters.odometry_witness import OdometryWitness
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import Inertial, InertialState
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
+from executive_plugins.estimation.live.layout import SAMPLE
 
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import exp_so3
 from executive.messages.odometry import LidarIncrement
 
 SPEED_M_S, FROM_S, PERIOD_S = 1.0, 15.0, 0.1
+IMU_PERIOD_S = 0.01
 STD_M, STD_RAD = 0.002, 0.0005  # of an increment
 VARIANCES = np.repeat([1e-3, 3e-2, 1e-2, 1e-4, 1e-3], 3) ** 2
 FAR = 14.2  # three standard deviations of three values
@@ -22,7 +27,9 @@ class Walk:
 
     def __init__(self, off_m=lambda _: np.zeros(3), off_rad=lambda _: 0.0, way=lambda _: 1.0):
         self.off_m, self.off_rad, self.way = off_m, off_rad, way
-        self.witness, self.rng = OdometryWitness(10.0), np.random.default_rng(4)
+        self.samples = SimpleNamespace(ring=np.zeros(4096, SAMPLE), samples=0)
+        self.witness = OdometryWitness(10.0, self.samples)
+        self.rng = np.random.default_rng(4)
 
     def true(self, at_s):
         turn = exp_so3(np.array([0.0, 0.0, 0.3 * np.sin(0.4 * at_s)]))
@@ -37,6 +44,18 @@ class Walk:
         noise = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 0.1, 9.81, 0.01)
         return ErrorStateFilter(state, np.diag(VARIANCES), noise)
 
+    def sample_until(self, at_s):
+        """Let sound inertial samples arrive."""
+        while (stamp_s := round((self.samples.samples + 1) * IMU_PERIOD_S, 6)) <= at_s:
+            rate = [0.0, 0.0, 0.12 * np.cos(0.4 * (stamp_s - IMU_PERIOD_S / 2))]
+            place = self.samples.samples % len(self.samples.ring)
+            self.samples.ring[place] = (stamp_s, IMU_PERIOD_S, rate, [0.0, 0.0, 9.81])
+            self.samples.samples += 1
+
+    def kept(self, at_s):
+        self.sample_until(at_s)
+        return KeptFilter(self.kalman(at_s).block.copy(), self.samples.samples)
+
     def increment(self, at_s):
         T = inverse(self.true(at_s - PERIOD_S)) @ self.true(at_s)
         turn = exp_so3(self.rng.normal(0, STD_RAD, 3))
@@ -49,7 +68,7 @@ class Walk:
         """Yield the time and the witness after each increment."""
         for k in range(1, round(end_s / PERIOD_S)):
             at_s = round(k * PERIOD_S, 6)
-            self.witness.take(self.kalman(at_s).block, self.increment(at_s), is_sound)
+            self.witness.take(self.kept(at_s), self.increment(at_s), is_sound)
             yield at_s, self.witness
 
 
@@ -80,6 +99,13 @@ def test_a_state_that_follows_fixes_which_drift_is_less_certain() -> None:
             # Of 10 s, as much as began in the window is known.
             assert off_m @ np.linalg.solve(witness.moved2, off_m) < FAR
     assert FROM_S < noticed_s < FROM_S + 3.0
+
+
+def test_a_filter_that_fixes_draw_along_does_not_refute_odometry() -> None:
+    """It moves otherwise than odometry, as fast as no noise explains; samples say which errs."""
+    walk = Walk(off_m=lambda at_s: 0.4 * since(at_s) * np.array([0.8, 0.6, 0.0]))
+    seen = [(at_s, witness.is_apart) for at_s, witness in walk.until(FROM_S + 8.0)]
+    assert all(is_apart for at_s, is_apart in seen if at_s > FROM_S + 1.0)
 
 
 def test_a_turn_that_odometry_did_not_measure_is_told_apart_from_a_way() -> None:
@@ -115,6 +141,6 @@ def test_a_gap_in_the_odometry_begins_anew() -> None:
     *_, (_, witness) = walk.until(FROM_S + 5.0)
     assert witness.is_apart
     at_s = FROM_S + 6.0
-    witness.take(walk.kalman(at_s).block, walk.increment(at_s), True)
+    witness.take(walk.kept(at_s), walk.increment(at_s), True)
     assert not witness.is_apart
     assert not witness.moved2.any()
