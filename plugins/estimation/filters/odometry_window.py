@@ -1,5 +1,6 @@
 """The motion over some seconds, by a filter and by odometry that it does not use."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -87,6 +88,11 @@ class OdometryWindow:
         """Length of the way [m]."""
         return self.end.length_m - self.begin.length_m
 
+    @property
+    def lasts_s(self) -> float:
+        """Time between the two looks [s]."""
+        return self.end.stamp_s - self.begin.stamp_s
+
     @cached_property
     def noise(self) -> Float:
         """Covariance of what differs without the drift, shape (6, 6).
@@ -112,11 +118,30 @@ class OdometryWindow:
         """Return that of the filter's error if odometry is right, shape (3, 3)."""
         return np.asarray(np.outer(self.apart[part], self.apart[part]) + self.covariance(part))
 
+    def likely_error(self, part: slice, prior: float) -> Float:
+        """Return the second moment of the filter's error, over whether it errs at all, (3, 3).
+
+        Either the covariance explains what differs, or it is too small by a factor that does: the
+        expectation over both (Bayesian model averaging) holds an error before it is proven.
+
+        Args:
+            part: `TURN` or `WAY`.
+            prior: How likely such an error is before anything is measured.
+        """
+        squares = self.distance2(part) / len(self.apart[part])
+        if squares <= 1.0:
+            return np.zeros((3, 3))
+        # The likeliest factor is the mean square of the deviations.
+        gain = 0.5 * len(self.apart[part]) * (squares - 1.0 - math.log(squares))
+        probability = prior / (prior + (1.0 - prior) * math.exp(-gain))
+        share = 1.0 - 1.0 / squares  # of what differs, that is the filter's
+        d = share * self.apart[part]
+        return np.asarray(probability * (np.outer(d, d) + share * self.covariance(part)))
+
     def carried_distance2(self) -> float:
         """Return the squared distance of both ways by what inertial samples tell of them.
 
         They carry the velocity of the begin on, with its error. This holds for a second or two.
         """
-        since_s = self.end.stamp_s - self.begin.stamp_s
-        carried = since_s**2 * self.begin.covariance[VELOCITY, VELOCITY]
+        carried = self.lasts_s**2 * self.begin.covariance[VELOCITY, VELOCITY]
         return squared_distance(self.covariance(WAY) + carried, self.apart[WAY])

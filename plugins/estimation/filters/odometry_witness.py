@@ -91,8 +91,8 @@ class OdometryWitness:
         if is_sound and windows and self._is_refuted(windows[0], limit):
             self.forget()
             return
-        self.turned2 = self._judged(0, TURN, windows, limit)
-        self.moved2 = self._judged(1, WAY, windows, limit)
+        self.turned2 = self._judged(TURN, windows, limit, self.turned2)
+        self.moved2 = self._judged(WAY, windows, limit, self.moved2)
         if is_sound and len(windows) > _LEARNT:
             self._learn(windows[_LEARNT])
 
@@ -107,22 +107,28 @@ class OdometryWitness:
             yield OdometryWindow(begin, end, drift)
 
     def _judged(
-        self, number: int, part: slice, windows: Sequence[OdometryWindow], limit: float
+        self, part: slice, windows: Sequence[OdometryWindow], limit: float, known: Float
     ) -> Float:
-        """Return the largest second moment of what differs; zero if chance may explain it.
+        """Return the largest second moment of what differs; zero while all windows are usual.
 
-        A contradiction begins beyond a limit, and ends when all windows are usual again.
+        A contradiction begins beyond a limit, and ends when all windows are usual again. Before it
+        begins, an error counts by its probability. What is older than the windows is not undone.
+
+        Args:
+            part: `TURN` or `WAY`.
+            windows: What differs.
+            limit: See `_limit`.
+            known: The answer before.
         """
-        distances2 = [one.distance2(part) for one in windows]
+        number = 0 if part == TURN else 1
+        unusual = [one for one in windows if one.distance2(part) > _USUAL]
         bound = _USUAL if self._are_apart[number] else limit
-        self._are_apart[number] = max(distances2, default=0.0) > bound
-        if not self._are_apart[number]:
-            return np.zeros((3, 3))
-        pairs = zip(windows, distances2, strict=True)
-        return max(
-            (one.second_moment(part) for one, distance2 in pairs if distance2 > _USUAL),
-            key=np.trace,
-        )
+        self._are_apart[number] = any(one.distance2(part) > bound for one in unusual)
+        if self._are_apart[number]:
+            moments = [one.second_moment(part) for one in unusual]
+        else:
+            moments = [one.likely_error(part, one.lasts_s / _FALSE_ALARM_S) for one in unusual]
+        return max([known, *moments], key=np.trace) if unusual else np.zeros((3, 3))
 
     def _is_refuted(self, window: OdometryWindow, limit: float) -> bool:
         """Return whether inertial samples refute the way of odometry: the third witness.

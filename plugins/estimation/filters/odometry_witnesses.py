@@ -86,7 +86,7 @@ class OdometryWitnesses:
     def widened(self, state: BaseState) -> BaseState:
         """Return a state whose covariance holds what odometry says as well."""
         witness = max(self._witnesses.values(), key=_size, default=None)
-        if witness is None or not witness.is_apart:
+        if witness is None or _size(witness) == 0.0:
             return state
         R, covariance = state.T_map_cabin[:3, :3], state.covariance.copy()
         by_turn = np.vstack([np.eye(3), skew(self._arm)])

@@ -101,11 +101,35 @@ def test_a_state_that_follows_fixes_which_drift_is_less_certain() -> None:
     assert FROM_S < noticed_s < FROM_S + 3.0
 
 
+def test_an_error_that_is_likely_counts_before_it_is_proven() -> None:
+    """The covariance holds it before chance is ruled out, and nothing before it began."""
+    likely_s = apart_s = np.inf
+    for at_s, witness in Walk(off_m=drifting).until(FROM_S + 3.0):
+        assert at_s > FROM_S or not witness.moved2.any()
+        if witness.moved2.any() and not witness.is_apart:
+            off_m = drifting(at_s)
+            if off_m @ np.linalg.pinv(witness.moved2) @ off_m < FAR:
+                likely_s = min(likely_s, at_s)
+        if witness.is_apart:
+            apart_s = min(apart_s, at_s)
+    assert likely_s < apart_s
+
+
 def test_a_filter_that_fixes_draw_along_does_not_refute_odometry() -> None:
     """It moves otherwise than odometry, as fast as no noise explains; samples say which errs."""
     walk = Walk(off_m=lambda at_s: 0.4 * since(at_s) * np.array([0.8, 0.6, 0.0]))
     seen = [(at_s, witness.is_apart) for at_s, witness in walk.until(FROM_S + 8.0)]
     assert all(is_apart for at_s, is_apart in seen if at_s > FROM_S + 1.0)
+
+
+def test_an_error_stays_held_when_the_windows_show_a_part_of_it() -> None:
+    """It grew to 1 m within two seconds, and the newest ten seconds show the last 0.35 m."""
+
+    def jumped(at_s):
+        return 0.5 * min(since(at_s), 2.0) * np.array([0.8, 0.6, 0.0])
+
+    *_, (at_s, witness) = Walk(off_m=jumped).until(FROM_S + 11.3 + PERIOD_S)
+    assert jumped(at_s) @ np.linalg.solve(witness.moved2, jumped(at_s)) < 2.0
 
 
 def test_a_turn_that_odometry_did_not_measure_is_told_apart_from_a_way() -> None:
