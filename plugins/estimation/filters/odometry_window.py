@@ -15,8 +15,8 @@ from executive.arrays import Float
 from executive.geometry.rotation import log_so3, skew
 from executive.messages.odometry import LidarIncrement
 
-_POSE = np.r_[ROTATION, POSITION]
-TURN, WAY = slice(0, 3), slice(3, 6)  # of what differs
+_POSE = np.ix_(*2 * (np.r_[ROTATION, POSITION],))
+TURN, WAY = _PARTS = slice(0, 3), slice(3, 6)  # of what differs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +26,8 @@ class Look:
     Attributes:
         stamp_s: The time [s].
         R, p: Of the IMU in the map [m].
-        covariance: Of rotation, velocity and position, map axes, shape (9, 9).
+        covariance: Of rotation and position, map axes, shape (6, 6).
+        velocity2: Covariance of the velocity, map axes, shape (3, 3).
         apart: Sum of the turns and ways by which the filter moved otherwise than odometry, map axes
             [rad, m], shape (6,).
         noise: Sum of the increments' covariances, map axes, shape (6, 6).
@@ -38,6 +39,7 @@ class Look:
     R: Float
     p: Float
     covariance: Float
+    velocity2: Float
     apart: Float
     noise: Float
     way: Float
@@ -48,20 +50,23 @@ class Look:
         """Return a filter before the first increment; its row has shape (1,), dtype `FILTER`."""
         state, covariance = unpacked(block)
         R, p = state.R_map_imu, state.p_map_imu
-        P = linear_covariance(state, covariance)[:9, :9]
-        P[ROTATION, ROTATION] = R @ P[ROTATION, ROTATION] @ R.T
-        return cls(state.sample.stamp_s, R, p, P, np.zeros(6), np.zeros((6, 6)), np.zeros(3), 0.0)
+        P = linear_covariance(state, covariance)
+        pose = P[_POSE]
+        pose[TURN, TURN] = R @ pose[TURN, TURN] @ R.T
+        sums = np.zeros(6), np.zeros((6, 6)), np.zeros(3), 0.0
+        return cls(state.sample.stamp_s, R, p, pose, P[VELOCITY, VELOCITY], *sums)
 
     def after(self, block: Block, increment: LidarIncrement) -> "Look":
         """Return a filter at the end of an increment of the IMU that begins here."""
         now, T = Look.at(block), increment.T_from_to
         R, step = self.R @ T[:3, :3], self.R @ T[:3, 3]  # of odometry
         apart = np.concatenate([now.R @ log_so3(R.T @ now.R), now.p - self.p - step])
-        axes = np.kron(np.eye(2), R)
+        axes = np.zeros((6, 6))
+        axes[TURN, TURN] = axes[WAY, WAY] = R
         noise = self.noise + axes @ increment.covariance @ axes.T
         length_m = self.length_m + float(np.linalg.norm(step))
         sums = self.apart + apart, noise, self.way + step, length_m
-        return Look(now.stamp_s, now.R, now.p, now.covariance, *sums)
+        return Look(now.stamp_s, now.R, now.p, now.covariance, now.velocity2, *sums)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +105,9 @@ class OdometryWindow:
         The attitude's error turns all of the way, and is nearly the same along it.
         """
         begin, end = self.begin, self.end
-        answer = (begin.covariance + end.covariance)[np.ix_(_POSE, _POSE)] + end.noise - begin.noise
+        answer = begin.covariance + end.covariance + end.noise - begin.noise
         by_attitude = skew(end.way - begin.way)
-        answer[WAY, WAY] += by_attitude @ begin.covariance[ROTATION, ROTATION] @ by_attitude.T
+        answer[WAY, WAY] += by_attitude @ begin.covariance[TURN, TURN] @ by_attitude.T
         return np.asarray(answer)
 
     def covariance(self, part: slice) -> Float:
@@ -110,9 +115,15 @@ class OdometryWindow:
         drift = self.drift if part == TURN else self.drift * self.length_m
         return np.asarray(self.noise[part, part] + drift**2 * np.eye(3))
 
+    @cached_property
+    def _distances2(self) -> tuple[float, float]:
+        """Squared distances of both turns, and of both ways."""
+        turn, way = (squared_distance(self.covariance(part), self.apart[part]) for part in _PARTS)
+        return turn, way
+
     def distance2(self, part: slice) -> float:
         """Return the squared distance of both turns or ways."""
-        return squared_distance(self.covariance(part), self.apart[part])
+        return self._distances2[_PARTS.index(part)]
 
     def second_moment(self, part: slice) -> Float:
         """Return that of the filter's error if odometry is right, shape (3, 3)."""
@@ -143,5 +154,5 @@ class OdometryWindow:
 
         They carry the velocity of the begin on, with its error. This holds for a second or two.
         """
-        carried = self.lasts_s**2 * self.begin.covariance[VELOCITY, VELOCITY]
+        carried = self.lasts_s**2 * self.begin.velocity2
         return squared_distance(self.covariance(WAY) + carried, self.apart[WAY])
