@@ -181,5 +181,5 @@ class SiteSettings(Settings):
     liftable: bool | None = Field(
         None,
         description="Whether stones lie only where the machine may lift them (ISO 10567); if not "
-        "given, in all scenarios but `kind`.",
+        "given, in all scenarios but `kind`, and there where the machine may tip.",
     )

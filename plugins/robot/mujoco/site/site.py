@@ -79,7 +79,9 @@ def make_site(
     stones = make_stones(settings.stones, machine.payload_kg, shape_rng, densities)
     if not stones:
         return Site(terrain, (), (), obstacles, people)
-    is_liftable = scenario != "kind" if settings.liftable is None else settings.liftable
+    is_liftable = settings.liftable
+    if is_liftable is None:
+        is_liftable = scenario != "kind" or machine.stance.is_free
     capacity = LiftCapacity(machine) if is_liftable else None
     contact = contact_of(scenario, machine.gripper)
     grounds = Grounds(

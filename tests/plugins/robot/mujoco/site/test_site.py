@@ -160,13 +160,17 @@ def masses_beyond_capacity(site: Site) -> list[float]:
 
 def test_stones_lie_where_the_machine_may_lift_them() -> None:
     physics, few = PhysicsSettings(), StoneSettings(count=4)
-    for scenario, is_liftable, has_heavy in (
-        ("kind", None, True),
-        ("nominal", None, False),
-        ("kind", True, False),
+    stance = MACHINE.stance.model_copy(update={"is_free": True})
+    may_tip = MACHINE.model_copy(update={"stance": stance})
+    for machine, scenario, is_liftable, has_heavy in (
+        (MACHINE, "kind", None, True),
+        (MACHINE, "nominal", None, False),
+        (MACHINE, "kind", True, False),
+        (may_tip, "kind", None, False),
+        (may_tip, "kind", False, True),
     ):
         settings = SiteSettings(stones=few, liftable=is_liftable)
-        drawn = make_site(settings, MACHINE, physics, np.random.default_rng(6), scenario)
+        drawn = make_site(settings, machine, physics, np.random.default_rng(6), scenario)
         assert bool(masses_beyond_capacity(drawn)) is has_heavy, scenario
 
 
