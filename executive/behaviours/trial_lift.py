@@ -21,7 +21,7 @@ from executive.messages.hold import Hold
 
 # A machine on its legs sinks under what it lifts, by up to half of the height. The first lift takes
 # the load on, so the second one hardly sinks; a third is for a stone that the ground has borne
-# until then.
+# until then. What holds back a machine that cannot sink is the stone, and it is not pulled again.
 _LIFTS, _SUNK = 3, 0.25  # most lifts; share of the height that may be missing
 
 
@@ -83,7 +83,7 @@ class TrialLift(Action[TrialLiftSettings]):
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
         lifted = succeeded()
-        for _ in range(_LIFTS):
+        for _ in range(_LIFTS if self.context.machine().stance.is_free else 1):
             way_m = self.settings.height - risen_m(self.context, hold)
             if way_m <= _SUNK * self.settings.height or not lifted.success:
                 break

@@ -143,11 +143,20 @@ def test_a_grip_that_was_raised_meanwhile_is_lifted_by_the_rest_alone(stage, wor
 )
 def test_a_machine_that_sinks_under_the_load_lifts_on_up_to_three_times(stage, world, rises, lifts):
     planned(stage, world, rises=rises)
+    machine = world.leaf_context.machine()
+    on_legs = machine.stance.model_copy(update={"is_free": True})
+    world.leaf_context.machine = lambda: machine.model_copy(update={"stance": on_legs})
     assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
     asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
     assert len(asked) == lifts
     if lifts == 2:
         np.testing.assert_allclose(asked, [0.2, 0.2 * (1 - 0.4)])
+
+
+def test_a_machine_that_cannot_sink_lifts_once(stage, world):
+    planned(stage, world, rises=0.4)
+    assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
+    assert len(plugins(world)["motion"].calls("move")) == 1
 
 
 def test_an_arm_that_is_held_back_does_not_lift_on(stage, world):
