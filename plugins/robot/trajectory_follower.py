@@ -205,7 +205,9 @@ class Follower:
         times = trajectory.times_s
         halves = [trajectory.at(time)[0] for time in (times[:-1] + times[1:]) / 2]
         positions = np.vstack([trajectory.position, *halves])
-        lower, upper = machine.lower[columns], machine.upper[columns]
+        # A load can press a joint a little beyond its range; its way back begins there.
+        lower = np.minimum(machine.lower[columns], trajectory.position[0])
+        upper = np.maximum(machine.upper[columns], trajectory.position[0])
         beyond = np.maximum(lower - positions, positions - upper).max(axis=0) > _POSITION_TOLERANCE
         speed = np.abs(trajectory.velocity).max(axis=0)
         for i, name in enumerate(trajectory.names):

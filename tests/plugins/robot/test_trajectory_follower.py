@@ -133,6 +133,26 @@ def test_refuses_what_the_arm_cannot_do(
     assert not follower.is_moving
 
 
+@pytest.mark.parametrize(("way", "is_followed"), [(-0.1, True), (0.01, False)])
+def test_a_joint_pressed_beyond_its_range_may_move_back_and_no_farther(
+    machine: Machine, way: float, is_followed: bool
+) -> None:
+    start, roll = machine.posture("scan"), machine.arm_names.index("J_EE_ROLL")
+    start[roll] = machine.upper[roll] + 0.004
+    u = np.linspace(0, 1, 20)[:, None]
+    slope = np.eye(len(start))[roll] * way
+    path = JointTrajectory(
+        machine.arm_names, u[:, 0] * 2.0, start + u * slope, np.tile(slope / 2.0, (20, 1))
+    )
+    follower = Follower(machine, start)
+    if is_followed:
+        follower.follow(path, start)
+        assert follower.is_moving
+    else:
+        with pytest.raises(RobotError, match="takes J_EE_ROLL"):
+            follower.follow(path, start)
+
+
 def test_refuses_a_speed_beyond_the_limit(machine: Machine) -> None:
     follower = Follower(machine, machine.posture("scan"))
     trajectory = JointTrajectory(("J_TURN",), np.array([0.0, 1.0]), [[0.0], [1.0]], [[0.0], [1.0]])
