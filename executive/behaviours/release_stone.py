@@ -23,7 +23,6 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
-from executive.leaf.weighing import least_kg
 from executive.machine.jaw_clearance import RELEASE_RAD, angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
@@ -90,13 +89,19 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             stone = yield from self._released(hold, T_map_gripper, placement)
         self.context.show(f"stones/{stone.id}", stone)
         self._record(stone, placement)
-        weight, objects = self.context.weight(), self.context.use(ObjectDatabase)
-        # What was let go before it hung free weighs more than the jaws told.
-        least = 0.0 if placement is not None else least_kg(stone, objects.stones())
-        if weight is not None and weight.mass_kg >= least:
-            objects.weigh(stone.id, weight, self.context.now_s())
-            self.context.record(StoneWeighed(stone.id, weight.mass_kg, weight.std_kg))
+        self._keep_weight(stone.id, placement)
         return succeeded()
+
+    def _keep_weight(self, stone_id: int, placement: Placement | None) -> None:
+        """Store what the stone weighs, unless it was let go before it hung free.
+
+        Until then the ground carries a part of it, or holds it back.
+        """
+        weight = self.context.weight()
+        if weight is None or (placement is None and not self.context.is_carried()):
+            return
+        self.context.use(ObjectDatabase).weigh(stone_id, weight, self.context.now_s())
+        self.context.record(StoneWeighed(stone_id, weight.mass_kg, weight.std_kg))
 
     def _opening_rad(self, hold: Hold, T_map_gripper: Float) -> float:
         """Return the angle at which the jaws come free of the stone, as far as there is room."""

@@ -24,6 +24,10 @@ class Monitor(Plugin, ABC):
         """
         return None
 
+    def is_carried(self) -> bool:
+        """Return whether the stone of this or the last hold was found to hang: `begin_carry`."""
+        return False
+
     def standing(self) -> float | None:
         """Return the probability that the ground carries what is held, of the newest samples and
         also of a machine that moves; None if it cannot be told.

@@ -130,6 +130,10 @@ class Context(ABC):
         """
         return None
 
+    def is_carried(self) -> bool:
+        """Return whether the stone of this or the last hold was found to hang free."""
+        return False
+
     def payload_kg(self) -> float | None:
         """Return the mass in the jaws now [kg], of a machine at rest; None if no monitor tells."""
         return None

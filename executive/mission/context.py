@@ -152,6 +152,9 @@ class NodeContext(Context):
         found = (monitor.weight() for monitor in self._monitors())
         return next((one for one in found if one is not None), None)
 
+    def is_carried(self) -> bool:
+        return any(monitor.is_carried() for monitor in self._monitors())
+
     def payload_kg(self) -> float | None:
         found = (monitor.payload_kg(self.joints()) for monitor in self._monitors())
         return next((one for one in found if one is not None), None)

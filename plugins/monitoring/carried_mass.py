@@ -7,6 +7,9 @@ from executive.messages.weight import Weight
 
 _CARRIED = 0.5  # share of the mass from which the whole stone counts as carried
 _SURE = 5.0  # standard deviations by which a carried mass differs from nothing
+# A stone that slides and is caught jerks at the arm for two or three windows; what the ground
+# carried until now hangs for good.
+_LASTING = 5
 _MEDIAN = 1.25  # standard deviation of a median over that of a mean, of normal values
 
 
@@ -19,6 +22,7 @@ class CarriedMass:
 
     def __init__(self) -> None:
         self._windows: list[tuple[float, float]] = []  # mass and its standard deviation [kg]
+        self._heavier = 0  # for how many windows in a row more hangs than was weighed
         self._lever_share = 0.0
         self.weight: Weight | None = None  # the mass so far; None while it is not above noise
 
@@ -37,8 +41,11 @@ class CarriedMass:
         """
         before = self.weight
         std_kg = float(np.hypot(noise_kg, moving * max(mass_kg, 0.0)))
-        if before and mass_kg - before.mass_kg > _SURE * np.hypot(std_kg, lever * mass_kg):
-            self._windows.clear()  # the ground carried a part of it until now
+        above_kg = mass_kg - (before.mass_kg if before else mass_kg)
+        is_heavier = above_kg > _SURE * np.hypot(std_kg, lever * mass_kg)
+        self._heavier = self._heavier + 1 if is_heavier else 0
+        if self._heavier == _LASTING:
+            del self._windows[: 1 - _LASTING]  # the ground carried a part of it until then
         if mass_kg > (_CARRIED * before.mass_kg if before else 0.0):
             self._windows.append((mass_kg, std_kg))
             self._lever_share = lever

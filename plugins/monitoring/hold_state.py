@@ -53,6 +53,7 @@ class HoldState(Monitor):
         self._machine = machine
         self._hold: _Hold | None = None
         self._weight: Weight | None = None
+        self._is_carried = False
 
     def start(self) -> None:
         self._scale = PayloadScale(self._machine)
@@ -63,15 +64,19 @@ class HoldState(Monitor):
     def weight(self) -> Weight | None:
         return self._weight
 
+    def is_carried(self) -> bool:
+        return self._is_carried
+
     def standing(self) -> float | None:
         return None if self._hold is None or self._weight is None else self._hold.standing
 
     def begin_hold(self) -> None:
-        self._weight = None
+        self._weight, self._is_carried = None, False
         self._hold = _Hold(HoldSignals(self._settings, self._machine, self._scale))
 
     def begin_carry(self) -> None:
         if self._hold is not None:
+            self._is_carried = True
             self._hold.signals.begin_carry()
 
     def end_hold(self) -> None:

@@ -65,7 +65,7 @@ class FakeContext(Context):
         self.run_folder = Path()
         self.holds = []
         self.troubles = []
-        self.weighed = None
+        self.weighed, self.carried = None, False
         self.payload = None
         self.on_ground = None
         self.given_up = frozenset()
@@ -129,6 +129,9 @@ class FakeContext(Context):
 
     def verdicts(self):
         return tuple(self.troubles)
+
+    def is_carried(self):
+        return self.carried
 
     def weight(self):
         return self.weighed

@@ -106,13 +106,18 @@ def test_jaws_that_vibrate_hold_nothing(world, database):
     assert context.time_s >= 1.0  # it was weighed for a second
 
 
-def test_a_stone_that_is_let_go_before_it_hung_free_keeps_no_weight(world, database):
-    """The ground carried a part of it: the jaws told less than half of what its volume does."""
-    whole_kg = database.stone(1).mass_kg
-    world.leaf_context.weighed = Weight(0.4 * whole_kg, 20.0)
+@pytest.mark.parametrize("share", [0.4, 2.0])
+@pytest.mark.parametrize("carried", [False, True])
+def test_a_stone_that_is_let_go_before_it_hung_free_keeps_no_weight(
+    world, database, share: float, carried: bool
+):
+    """The ground carried a part of it, or held it back."""
+    weight = Weight(share * database.stone(1).mass_kg, 20.0)
+    world.leaf_context.weighed, world.leaf_context.carried = weight, carried
     assert world.tick(ReleaseStone, hold=world.hold).status == "SUCCESS"
-    assert database.stone(1).weight is None
-    assert not any(isinstance(one, StoneWeighed) for one in world.leaf_context.events)
+    assert database.stone(1).weight == (weight if carried else None)
+    told = any(isinstance(one, StoneWeighed) for one in world.leaf_context.events)
+    assert told is carried
 
 
 def test_what_was_weighed_is_kept_with_the_stone(world, database):

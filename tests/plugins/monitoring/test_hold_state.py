@@ -265,6 +265,23 @@ def test_a_stone_that_has_slipped_is_weighed_no_more(watch) -> None:
     assert weight.mass_kg == pytest.approx(MASS_KG, abs=3 * weight.std_kg)
 
 
+def test_a_stone_that_slides_and_is_caught_weighs_as_before(watch) -> None:
+    """It jerks at the arm for three tenths of a second, as the slip is told."""
+    carry = Carry(16.0)
+    carry.jaw -= 0.04 * carry.after(6.0, 0.2)
+    carry.weight *= 1 - 0.3 * carry.after(6.0, 0.05) + 0.7 * carry.after(6.15, 0.05)
+    carry.weight *= 1 - 0.4 / 1.4 * carry.after(6.5, 0.05)
+    told, monitor = watch(carry)
+    assert only(told).trouble is Trouble.SLIP
+    assert monitor.weight().mass_kg == pytest.approx(MASS_KG, rel=0.03)
+
+
+def test_what_hangs_for_good_is_the_weight_of_what_the_ground_carried_before(watch) -> None:
+    carry = Carry(8.0)
+    carry.weight[carry.t < 4.0] *= 0.75
+    assert watch(carry)[1].weight().mass_kg == pytest.approx(MASS_KG, rel=0.03)
+
+
 def test_a_stone_on_which_slack_jaws_are_pressed_is_not_lost(watch) -> None:
     """The stone has slid down in the jaws, which bear on it no more, and the arm presses on it."""
     carry = lowered()
