@@ -1,7 +1,7 @@
 """Plan how to set a held stone down."""
 
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +9,7 @@ from pydantic import Field
 
 from executive.arrays import Float
 from executive.config import Meters, Settings
+from executive.geometry.pose import transform
 from executive.geometry.rotation import log_so3
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
@@ -19,7 +20,7 @@ from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
-from executive.leaf.resting import moved, to_rest
+from executive.leaf.resting import hung_over, moved, to_rest
 from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
@@ -42,6 +43,12 @@ class PlanPlacementSettings(Settings):
         ge=0,
         le=1,
         description="Height above the place at which the way ends [m], for `LowerUntilDown`.",
+    )
+    as_it_hangs: bool = Field(
+        False,
+        description="Whether a stone for which no way leads to the pose of any slot is set down as "
+        "it hangs over one, and tilts back as the ground meets it. Slots without a pose always "
+        "allow it.",
     )
     lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
         "by_base",
@@ -68,8 +75,9 @@ class PlanPlacement(Action[PlanPlacementSettings]):
     """Find the first slot with a placement, and the first placement with a collision-free path.
 
     A stone that the closing jaws have tilted is turned back: it comes down on the side on which it
-    lay. If no path leads there, it is set down as it hangs. A slot with the pose of a stone says
-    itself how that is to rest.
+    lay. If no path leads there, because a jaw would meet the ground, it is set down as it hangs. A
+    slot with the pose of a stone says itself how that is to rest; there the stone is set down as it
+    hangs only with `as_it_hangs`.
     """
 
     needs = (PlacementPlanner, MotionPlanner, Mapper, ObjectDatabase)
@@ -90,7 +98,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
         T_map_base = self.context.state().T_map_base
         reasons: list[str] = []
         level = to_rest(stone, self.context.use(ObjectDatabase))
-        for slot, T_map_map in _attempts(free_slots, level):
+        for slot, T_map_map in self._attempts(free_slots, stone, hold, level):
             placements = yield from self.context.job(
                 placing.plan,
                 moved(stone, T_map_map),
@@ -100,17 +108,38 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 T_map_base,
             )
             if not placements:
-                reasons.append(f"no placement on slot {slot.id} is in reach")
+                reasons.append(f"no placement on slot {slot.id} is free and in reach")
             for placement in placements:
                 plan = yield from self._path_to(placement, hold, cloud)
                 too_heavy = self._too_heavy(stone, plan)
                 if plan.trajectory is not None and not too_heavy:
                     self.context.show("path", plan)
-                    found = PlacementPlanned(placement, plan.trajectory)
-                    return succeeded(found, f"slot {slot.id}{_turned(T_map_map)}")
+                    asked = next(one for one in free_slots if one.id == slot.id)
+                    found = PlacementPlanned(_in_slot(placement, asked), plan.trajectory)
+                    told = ", as it hangs" if slot is not asked else _turned(T_map_map)
+                    return succeeded(found, f"slot {slot.id}{told}")
                 reasons.append(f"slot {slot.id}: {too_heavy or plan.reason}")
         causes = "; ".join(dict.fromkeys(reasons))
         return failed(f"no path to any of {len(free_slots)} slots: {causes}")
+
+    def _attempts(
+        self, slots: Sequence[Slot], stone: Stone, hold: Hold, level: Float
+    ) -> Iterator[tuple[Slot, Float]]:
+        """Yield each slot with the motions by which the stone may be turned for it, best first."""
+        is_level = np.array_equal(level, np.eye(4))
+        for slot in slots:
+            if slot.T_map_object is None and not is_level:
+                yield slot, level
+            yield slot, np.eye(4)
+        if is_level or not self.settings.as_it_hangs:
+            return
+        centre = self.context.machine().gripper.grasp_centre
+        centre_map = transform(hold.T_map_gripper, centre[None])[0]
+        for slot in slots:
+            if slot.T_map_object is not None:
+                hung = hung_over(stone, level, slot.T_map_object, centre_map)
+                if hung is not None:
+                    yield replace(slot, T_map_object=hung), np.eye(4)
 
     def _too_heavy(self, stone: Stone, plan: MotionPlan) -> str:
         """Return why the machine may not carry a stone along a path; empty if it may."""
@@ -142,12 +171,11 @@ class PlanPlacement(Action[PlanPlacementSettings]):
         return (yield from self.context.job(self.context.use(MotionPlanner).move, request))
 
 
-def _attempts(slots: Sequence[Slot], level: Float) -> Iterator[tuple[Slot, Float]]:
-    """Yield each slot with the motions by which the stone may be turned for it, best first."""
-    for slot in slots:
-        if slot.T_map_object is None and not np.array_equal(level, np.eye(4)):
-            yield slot, level
-        yield slot, np.eye(4)
+def _in_slot(placement: Placement, asked: Slot) -> Placement:
+    """Return a placement whose stone is to rest as its slot asks for, however it hangs over it."""
+    if asked.T_map_object is None:
+        return placement
+    return replace(placement, slot=asked, T_map_object=asked.T_map_object)
 
 
 def _turned(T_map_map: Float) -> str:

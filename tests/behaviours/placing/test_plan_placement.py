@@ -80,6 +80,35 @@ def test_a_slot_with_a_pose_says_itself_how_the_stone_rests(stage, world, databa
     assert len(planner.calls("plan")) == 1
 
 
+POSED = Slot(1, np.array([4.0, -3.0, 0.0]), T_map_object=pose(t=np.array([4.0, -3.0, 0.4])))
+
+
+def test_a_tilted_stone_without_a_way_to_the_pose_of_its_slot_hangs_over_it(stage, world, database):
+    held = tilted_in_jaws(database, 0.3)
+    planner = stage.Scripted(PlacementPlanner, plan=[(), (placement(POSED),)])
+    plugins(world).update(placing=planner, motion=stage.Scripted(MotionPlanner, move=[world.found]))
+    given = {"as_it_hangs": True}
+    ended = world.tick(PlanPlacement, settings=given, hold=world.hold, free_slots=[POSED])
+    assert (ended.status, ended.reason) == ("SUCCESS", "slot 1, as it hangs")
+    hung = planner.calls("plan")[1]["slot"].T_map_object
+    # It is turned about the vertical alone, and is judged by the rest that was planned.
+    np.testing.assert_allclose(hung[2, :3], held.T_map_object[2, :3], atol=1e-9)
+    assert ended.outputs["placement"].slot is POSED
+    np.testing.assert_array_equal(ended.outputs["placement"].T_map_object, POSED.T_map_object)
+
+
+@pytest.mark.parametrize(("tilt_rad", "given"), [(0.3, {}), (1.2, {"as_it_hangs": True})])
+def test_it_hangs_over_it_only_where_that_is_asked_for_and_it_would_tilt_back(
+    stage, world, database, tilt_rad: float, given: dict[str, bool]
+):
+    tilted_in_jaws(database, tilt_rad)
+    planner = stage.Scripted(PlacementPlanner, plan=[()])
+    plugins(world)["placing"] = planner
+    ended = world.tick(PlanPlacement, settings=given, hold=world.hold, free_slots=[POSED])
+    assert ended.status == "FAILURE"
+    assert len(planner.calls("plan")) == 1
+
+
 @pytest.mark.parametrize(("mass_kg", "status"), [(900.0, "SUCCESS"), (2900.0, "FAILURE")])
 def test_a_way_beyond_the_lift_capacity_is_no_way(stage, world, database, mass_kg, status):
     """The arm swings out to 6 m at the side, where the machine carries 1 t."""
@@ -104,5 +133,5 @@ def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):
     ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
     assert ended.status == "FAILURE"
     assert "slot 1: the boom would hit stone 2" in ended.reason
-    assert "no placement on slot 2 is in reach" in ended.reason
+    assert "no placement on slot 2 is free and in reach" in ended.reason
     assert ended.outputs == {}
