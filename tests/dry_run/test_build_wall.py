@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from executive.commands.main import main
+from executive.tree.load import load_mission
+from executive.tree.traversal import uses_of
 
 MOCKS = """api: 1
 mocks:
@@ -122,6 +124,51 @@ def test_other_places_are_planned_for_a_stone_in_the_jaws_that_reaches_none(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, second_plan: str, ends: str
 ) -> None:
     assert exit_status(monkeypatch, tmp_path, MOCKS % (second_plan, "PlanPlacement", ends)) == 0
+
+
+RELEASED = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: []}}
+    - {outputs: {stone: 3, free_slots: []}}
+    - {status: failure, outputs: {ending: complete}}
+  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
+  KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
+  ForgetPlace: success
+  DetectSlip: success
+  VerifyPlacement: %s
+  CheckPlaced: %s
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+
+
+@pytest.mark.parametrize(
+    ("verified", "placed", "ends"),
+    [
+        # A stone far off its place is looked for, and picked again.
+        ("[failure, success]", "success", "ReleaseStone: [success, success], FindAgain: [success]"),
+        # A neighbour that is not seen any more is for the next plan to adopt.
+        ("success", "failure", "ReleaseStone: [success, success], FindAgain: []"),
+    ],
+)
+def test_a_release_is_judged_by_where_the_stone_stands(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, verified: str, placed: str, ends: str
+) -> None:
+    assert exit_status(monkeypatch, tmp_path, RELEASED % (verified, placed, ends)) == 0
+
+
+@pytest.mark.parametrize(
+    ("mission", "tilts"), [("build_wall", [3.14159]), ("pick_and_place", [0.35])]
+)
+def test_a_wall_takes_a_stone_however_it_has_turned(mission: str, tilts: list[float]) -> None:
+    nodes = [node for tree in load_mission(mission, ()).trees.values() for node in tree.root.walk()]
+    uses = [use for node in nodes for use in uses_of(node) if use.name == "VerifyPlacement"]
+    assert [use.settings.tilt for use in uses] == pytest.approx(tilts, abs=1e-4)
 
 
 OVER = """api: 1
