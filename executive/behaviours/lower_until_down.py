@@ -24,7 +24,7 @@ from executive.leaf.steady_line import steady_line
 from executive.leaf.surroundings import surroundings
 from executive.leaf.tool_way import tool_way
 from executive.leaf.watched import watched
-from executive.leaf.weighing import hanging_kg
+from executive.leaf.weighing import hanging
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.request import MotionPlan, MoveRequest
@@ -77,22 +77,22 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
         planned_m, weight = placement.T_map_gripper[2, 3], self.context.weight()
+        least_kg = 0.0 if weight is None else _STANDS * weight.mass_kg
         while True:
-            left_kg = yield from hanging_kg(self.context, self.settings.window)
+            left = yield from hanging(self.context, self.settings.window, least_kg)
             above_m = self._height_m() - planned_m
-            if weight is None or left_kg is None:
+            if weight is None or left is None:
                 lowered = yield from self._lower(hold, max(above_m, 0.0))
                 told = f"no monitor weighs the stone: lowered by {above_m:.2f} m to the plan"
                 return succeeded(reason=told) if lowered.success else lowered
-            if left_kg < _STANDS * weight.mass_kg:
-                self.context.record(StoneTouchedDown(hold.stone_id, above_m, left_kg))
+            if left.mass_kg < least_kg:
+                self.context.record(StoneTouchedDown(hold.stone_id, above_m, left.mass_kg))
                 return succeeded(reason=f"it stands {above_m:+.2f} m from the plan's height")
             if above_m - 0.5 * self.settings.step < -self.settings.below:
                 return failed(
-                    f"stone {hold.stone_id} still hangs in the jaws with {left_kg:.0f} kg, "
+                    f"stone {hold.stone_id} still hangs in the jaws with {left}, "
                     f"{-above_m:.2f} m below its place: the ground was not met"
                 )
-            least_kg = _STANDS * weight.mass_kg
             lowered = yield from self._sink(hold, above_m + self.settings.below, least_kg)
             if not lowered.success:
                 return lowered

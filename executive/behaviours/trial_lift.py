@@ -16,7 +16,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.way_up import risen_m, way_up
-from executive.leaf.weighing import LEAST_SHARE, hanging_kg, least_kg
+from executive.leaf.weighing import LEAST_SHARE, hanging, least_kg
 from executive.messages.hold import Hold
 
 # A machine on its legs sinks under what it lifts, by up to half of the height. The first lift takes
@@ -38,7 +38,8 @@ class TrialLiftSettings(Settings):
         0.4,
         gt=0,
         le=10,
-        description="Time for which the stone hangs there, and is weighed [s].",
+        description="Time for which the stone hangs there, and is weighed [s]; up to 2.5 s while "
+        "the machine sways so far that the weight may be either side of the least one.",
     )
     borne: float = Field(
         LEAST_SHARE,
@@ -95,25 +96,24 @@ class TrialLift(Action[TrialLiftSettings]):
 
     def _weighed(self, hold: Hold, lifted: Outcome[None]) -> Steps[None]:
         """Wait, weigh the stone meanwhile, and judge it by that, and by how the arm got up."""
-        mass_kg = yield from hanging_kg(self.context, self.settings.wait)
-        up_m = risen_m(self.context, hold)
-        if mass_kg is None and not lifted.success:
-            return lifted
-        if mass_kg is None:
-            return succeeded(reason=f"it hangs {up_m:.2f} m up, and no monitor weighs it")
         objects = self.context.use(ObjectDatabase)
         stone = objects.stone(hold.stone_id)
         least = least_kg(stone, objects.stones(), self.settings.borne)
-        if mass_kg < least:
-            self.context.record(StoneNotLifted(hold.stone_id, up_m, mass_kg, least))
+        weight = yield from hanging(self.context, self.settings.wait, least)
+        up_m = risen_m(self.context, hold)
+        if weight is None and not lifted.success:
+            return lifted
+        if weight is None:
+            return succeeded(reason=f"it hangs {up_m:.2f} m up, and no monitor weighs it")
+        if weight.mass_kg < least:
+            self.context.record(StoneNotLifted(hold.stone_id, up_m, weight.mass_kg, least))
             by_volume = "by its volume; light stones need less `borne`"
             source = by_volume if stone.weight is None else "as weighed before"
             return failed(
                 f"the ground still carries a part of stone {hold.stone_id}: {up_m:.2f} m up, "
-                f"{mass_kg:.0f} kg hang in the jaws, and it weighs at least {least:.0f} kg "
-                f"({source})"
+                f"{weight} hang in the jaws, and it weighs at least {least:.0f} kg ({source})"
             )
         if not lifted.success:
             return lifted
         self.context.begin_carry()
-        return succeeded(reason=f"it hangs {up_m:.2f} m up with {mass_kg:.0f} kg")
+        return succeeded(reason=f"it hangs {up_m:.2f} m up with {weight}")

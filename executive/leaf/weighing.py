@@ -5,7 +5,9 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from executive.leaf.context import Context
+from executive.leaf.sway import PERIODS_S, level
 from executive.messages.stone import Stone, StoneState
+from executive.messages.weight import Weight
 
 # Least share of the mass by volume that a stone weighs, two standard deviations below the mean of
 # natural stones, 0.88 · (1 - 2 · 0.12): a natural stone fills 0.88 of its convex hull, which
@@ -17,6 +19,9 @@ LEAST_SHARE = 0.67
 # in density; and for how many stones it counts, as the spread of a few says little.
 _ONE_SITE, _ONE_SITE_STONES = 0.07, 4
 _SURE = 2.0  # standard deviations of a weight
+# Where the stone is in the jaws leaves 3 % of its mass open; a sway that leaves half of that open
+# adds a tenth to it. Nothing is known of a sway that is slower than the slowest one.
+_KNOWN, _LONGEST_S = 0.015, float(PERIODS_S[-1])
 
 
 def hanging_kg(context: Context, window_s: float) -> Generator[None, None, float | None]:
@@ -28,6 +33,40 @@ def hanging_kg(context: Context, window_s: float) -> Generator[None, None, float
         if mass_kg is not None:
             masses.append(mass_kg)
     return float(np.mean(masses)) if masses else None
+
+
+def hanging(
+    context: Context, window_s: float, least_kg: float
+) -> Generator[None, None, Weight | None]:
+    """Weigh what is in the jaws until it is known whether it is more than a mass.
+
+    A machine on its legs sways under a load that it takes on or stops, and a load that sways
+    presses by a fifth more or less than it weighs. The weighing ends once the mass is two standard
+    deviations from the one that it is compared with, or known to 1.5 % of that; in any case after
+    2.5 s, a swing of the slowest sway, with the standard deviation that is left.
+
+    Args:
+        context: The leaf's view of the mission.
+        window_s: Time for which it is weighed at least [s].
+        least_kg: Mass that it is compared with [kg].
+
+    Returns:
+        The mass, and how far sway and noise leave it open; None if none is told.
+    """
+    began_s, told = context.now_s(), list[tuple[float, float]]()
+    while True:
+        yield None
+        now_s, mass_kg = context.now_s(), context.payload_kg()
+        if mass_kg is not None:
+            told.append((now_s, mass_kg))
+        if now_s - began_s < window_s:
+            continue
+        if not told:
+            return None
+        weight = Weight(*level(*np.array(told).T))
+        is_sure = abs(weight.mass_kg - least_kg) > _SURE * weight.std_kg
+        if is_sure or weight.std_kg < _KNOWN * least_kg or now_s - began_s >= _LONGEST_S:
+            return weight
 
 
 def least_kg(stone: Stone, stones: Sequence[Stone], share: float = LEAST_SHARE) -> float:
