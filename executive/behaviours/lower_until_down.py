@@ -47,6 +47,13 @@ class LowerUntilDownSettings(Settings):
         le=1,
         description="How far below the planned place the ground is sought [m].",
     )
+    early: Meters | None = Field(
+        None,
+        ge=0,
+        le=1,
+        description="Height above the planned release from which a stone that is carried has met "
+        "something else than its place, and this fails [m]; by default it stands at any height.",
+    )
     window: Seconds = Field(
         0.4, gt=0, le=5, description="Time over which the weight in the jaws is averaged [s]."
     )
@@ -87,7 +94,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
                 return succeeded(reason=told) if lowered.success else lowered
             if left.mass_kg < least_kg:
                 self.context.record(StoneTouchedDown(hold.stone_id, above_m, left.mass_kg))
-                return succeeded(reason=f"it stands {above_m:+.2f} m from the plan's height")
+                return self._stood(hold, above_m)
             if above_m - 0.5 * self.settings.step < -self.settings.below:
                 return failed(
                     f"stone {hold.stone_id} still hangs in the jaws with {left}, "
@@ -96,6 +103,15 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
             lowered = yield from self._sink(hold, above_m + self.settings.below, least_kg)
             if not lowered.success:
                 return lowered
+
+    def _stood(self, hold: Hold, above_m: float) -> Outcome[None]:
+        """Judge a stone that the ground carries by how far that is above the planned release."""
+        if self.settings.early is not None and above_m > self.settings.early:
+            return failed(
+                f"stone {hold.stone_id} met something {above_m:.2f} m above the height of its "
+                f"release, more than {self.settings.early:g} m: it is not at its place"
+            )
+        return succeeded(reason=f"it stands {above_m:+.2f} m from the plan's height")
 
     def _height_m(self) -> float:
         return float(self.context.gripper()[2, 3])

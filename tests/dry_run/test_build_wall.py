@@ -171,6 +171,49 @@ def test_a_wall_takes_a_stone_however_it_has_turned(mission: str, tilts: list[fl
     assert [use.settings.tilt for use in uses] == pytest.approx(tilts, abs=1e-4)
 
 
+LOWERED = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: [{id: 1}, {id: 2}]}}
+    - %s
+    - {status: failure, outputs: {ending: complete}}
+  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
+  KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
+  PlanPlacement:
+    - {outputs: {placement: {slot: {id: 1}}}}
+    - {outputs: {placement: {slot: {id: 2}}}}
+  LowerUntilDown: %s
+  ForgetPlace: success
+  DetectSlip: success
+  IsHolding: success
+  VerifyPlacement: success
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+
+
+@pytest.mark.parametrize(
+    ("lowered", "second_plan", "ends"),
+    [
+        # It has met something above its place: it is carried to the next one, in the same attempt.
+        ("[failure, success]", "{status: failure, outputs: {ending: complete}}",
+         "PlanPlacement: [success, success], ReleaseStone: [success], PlanPick: [success]"),
+        # Nor is that one right: the stone is let go where it is, looked for, and picked again.
+        ("[failure, failure, success]", AGAIN,
+         "FindAgain: [success], PlanPick: [success, success]"),
+    ],
+    ids=["another place", "no place"],
+)  # fmt: skip
+def test_a_stone_that_meets_something_above_its_place_is_carried_to_another(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lowered: str, second_plan: str, ends: str
+) -> None:
+    assert exit_status(monkeypatch, tmp_path, LOWERED % (second_plan, lowered, ends)) == 0
+
+
 OVER = """api: 1
 mocks:
   Localise: success

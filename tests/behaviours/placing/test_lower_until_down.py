@@ -41,7 +41,7 @@ class Arm:
 def lowering(stage, world):
     """Let the arm follow paths that lower the gripper; 900 kg hang in the jaws above the ground."""
 
-    def lower(ground_m, weighed=True, jolted=lambda payload_kg: payload_kg, free_m=1.0):
+    def lower(ground_m, weighed=True, jolted=lambda payload_kg: payload_kg, free_m=1.0, **settings):
         context = world.leaf_context
         kinematics = Kinematics(context.machine())
         arm = Arm(context, context.machine().posture("carry"))
@@ -80,7 +80,8 @@ def lowering(stage, world):
         plugins(world)["robot"].answers(command=arm.command, stop=arm.stop)
         plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=move)
         planned = placement(SLOTS[0], pose(t=np.array([5.0, 0.0, 1.94])))
-        return world.tick(LowerUntilDown, hold=world.hold, placement=planned)
+        given = {"settings": settings} if settings else {}
+        return world.tick(LowerUntilDown, hold=world.hold, placement=planned, **given)
 
     return lower
 
@@ -101,6 +102,14 @@ def test_a_stone_is_lowered_until_the_ground_carries_it(lowering, world, ground_
     assert len(world.arm.stopped_s) == 1  # it is stopped on the way, once
     # It sinks by a step of 2 cm in each window of 0.4 s; ramps, weighings and rest take 2 s.
     assert world.arm.stopped_s[0] == pytest.approx((2.0 - ground_m) / 0.05 + 0.8, abs=0.3)
+
+
+@pytest.mark.parametrize(("ground_m", "status"), [(1.99, "FAILURE"), (1.96, "SUCCESS")])
+def test_what_is_met_high_above_the_plan_is_not_its_place(lowering, ground_m, status):
+    ended = lowering(ground_m, early=0.035)
+    assert ended.status == status
+    assert ("it is not at its place" in ended.reason) == (status == "FAILURE")
+    assert isinstance(ended.events[0], StoneTouchedDown)
 
 
 def test_of_a_way_that_is_not_free_what_is_free_is_gone(lowering, world):
