@@ -42,6 +42,7 @@ class OdometryWitness:
         turned2, moved2: Second moments of the state's error if odometry is right, of the rotation
             [rad²] and of the position [m²], map axes, shape (3, 3); zero while chance and the drift
             of odometry explain what differs.
+        size2: Sum of both traces, kept because it is asked for at each inertial sample.
     """
 
     def __init__(self, kept_s: float, propagator: LivePropagator) -> None:
@@ -68,6 +69,7 @@ class OdometryWitness:
         self._are_apart = [False, False]  # turns, and ways
         self.turned2: Float = np.zeros((3, 3))
         self.moved2: Float = np.zeros((3, 3))
+        self.size2 = 0.0
 
     def take(self, kept: KeptFilter, increment: LidarIncrement, is_sound: bool) -> None:
         """Take an increment at its end.
@@ -93,6 +95,7 @@ class OdometryWitness:
             return
         self.turned2 = self._judged(TURN, windows, limit, self.turned2)
         self.moved2 = self._judged(WAY, windows, limit, self.moved2)
+        self.size2 = float(np.trace(self.moved2) + np.trace(self.turned2))
         if is_sound and len(windows) > _LEARNT:
             self._learn(windows[_LEARNT])
 

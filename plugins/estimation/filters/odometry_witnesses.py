@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 from executive_plugins.estimation.filters.inertial_way import KeptFilter
@@ -85,8 +86,8 @@ class OdometryWitnesses:
 
     def widened(self, state: BaseState) -> BaseState:
         """Return a state whose covariance holds what odometry says as well."""
-        witness = max(self._witnesses.values(), key=_size, default=None)
-        if witness is None or _size(witness) == 0.0:
+        witness = max(self._witnesses.values(), key=attrgetter("size2"), default=None)
+        if witness is None or witness.size2 == 0.0:
             return state
         R, covariance = state.T_map_cabin[:3, :3], state.covariance.copy()
         by_turn = np.vstack([np.eye(3), skew(self._arm)])
@@ -95,8 +96,3 @@ class OdometryWitnesses:
         poses = state.T_map_base, state.T_odom_base, state.T_map_cabin
         rates = state.v_map_cabin, state.w_map_cabin_in_cabin
         return BaseState(state.stamp_s, *poses, *rates, covariance, state.status)
-
-
-def _size(witness: OdometryWitness) -> float:
-    """Return by how much a witness contradicts a state, as a variance of the position [m²]."""
-    return float(np.trace(witness.moved2) + np.trace(witness.turned2))
