@@ -18,11 +18,14 @@ from executive.leaf.rest import come_to_rest
 from executive.leaf.way_up import risen_m, way_up
 from executive.leaf.weighing import LEAST_SHARE, hanging, least_kg
 from executive.messages.hold import Hold
+from executive.messages.stone import Stone
+from executive.messages.weight import Weight
 
 # A machine on its legs sinks under what it lifts, by up to half of the height. The first lift takes
 # the load on, so the second one hardly sinks; a third is for a stone that the ground has borne
 # until then. What holds back a machine that cannot sink is the stone, and it is not pulled again.
 _LIFTS, _SUNK = 3, 0.25  # most lifts; share of the height that may be missing
+_SURE = 2.0  # standard deviations from which less than nothing hangs in the jaws
 
 
 class TrialLiftSettings(Settings):
@@ -107,13 +110,29 @@ class TrialLift(Action[TrialLiftSettings]):
             return succeeded(reason=f"it hangs {up_m:.2f} m up, and no monitor weighs it")
         if weight.mass_kg < least:
             self.context.record(StoneNotLifted(hold.stone_id, up_m, weight.mass_kg, least))
-            by_volume = "by its volume; light stones need less `borne`"
-            source = by_volume if stone.weight is None else "as weighed before"
             return failed(
-                f"the ground still carries a part of stone {hold.stone_id}: {up_m:.2f} m up, "
-                f"{weight} hang in the jaws, and it weighs at least {least:.0f} kg ({source})"
+                f"{_borne(weight, stone, up_m)}, and it weighs at least {_least(least, stone)}"
             )
         if not lifted.success:
             return lifted
         self.context.begin_carry()
         return succeeded(reason=f"it hangs {up_m:.2f} m up with {weight}")
+
+
+def _borne(weight: Weight, stone: Stone, up_m: float) -> str:
+    """Say how the ground still carries a stone of which less hangs than it weighs."""
+    if weight.mass_kg < -_SURE * weight.std_kg:
+        return (
+            f"stone {stone.id} stands on the ground, and the jaws that close on it are pushed up "
+            f"by the weight of {-weight.mass_kg:.0f} kg, {up_m:.2f} m above the grasp"
+        )
+    return (
+        f"the ground still carries a part of stone {stone.id}: {up_m:.2f} m up, {weight} hang in "
+        "the jaws"
+    )
+
+
+def _least(least_kg: float, stone: Stone) -> str:
+    """Return the least mass of a stone in words, with its source."""
+    by_volume = "by its volume; light stones need less `borne`"
+    return f"{least_kg:.0f} kg ({by_volume if stone.weight is None else 'as weighed before'})"
