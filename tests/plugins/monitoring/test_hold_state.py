@@ -231,6 +231,17 @@ def test_a_stone_that_is_lowered_hangs_until_the_ground_takes_over(watch, machin
     assert max(one for one in told if one is not None) < 0.95
 
 
+@pytest.mark.parametrize(("late_s", "is_lost"), [(0.1, False), (1.5, True)])
+def test_what_leaves_the_jaws_long_after_they_sank_has_fallen(watch, late_s, is_lost) -> None:
+    """The jaws press on for some tenths of a second on a stone that slides out of them."""
+    carry, sunk_s = lowered(), 8.0
+    carry.weight *= 1 - carry.after(sunk_s + late_s, 0.2)
+    told, monitor = watch(carry, carried_s=4.0)
+    assert [one.trouble for one in told] == ([Trouble.DROP] if is_lost else [])
+    assert is_lost or monitor.standing() > 0.95
+    assert all(one.stamp_s < sunk_s + late_s + 0.5 for one in told)
+
+
 def test_a_stone_that_slides_onto_the_ground_out_of_closing_jaws_is_a_slip(watch) -> None:
     """Its weight is gone, as if it had been set down, but the jaws have closed by decimetres."""
     carry = lowered()
