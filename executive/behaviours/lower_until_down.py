@@ -66,8 +66,9 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
     the jaws the arm stops, and a weighing at rest decides: a stone that still hangs is lowered
     further. It follows a motion that ends some centimetres above the placement (`above` of
     `PlanPlacement`). The ground that the map shows is some centimetres off, and so is the stone's
-    underside, which nothing has seen. A stone whose weight no monitor knows is lowered to the plan,
-    and this tells so.
+    underside, which nothing has seen. With `early`, a stone that is carried that far above the plan
+    has met something else than its place, and this fails with the stone in the jaws. A stone whose
+    weight no monitor knows is lowered to the plan, and this tells so.
     """
 
     needs = (Robot, MotionPlanner, Mapper, ObjectDatabase, Monitor)

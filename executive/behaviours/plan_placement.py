@@ -1,6 +1,6 @@
 """Plan how to set a held stone down."""
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -96,7 +96,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
         placing = self.context.use(PlacementPlanner)
         cloud = yield from surroundings(self.context, hold.stone_id)
         T_map_base = self.context.state().T_map_base
-        reasons: list[str] = []
+        refused: dict[str, list[int]] = {}
         level = to_rest(stone, self.context.use(ObjectDatabase))
         for slot, T_map_map in self._attempts(free_slots, stone, hold, level):
             placements = yield from self.context.job(
@@ -108,7 +108,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 T_map_base,
             )
             if not placements:
-                reasons.append(f"no placement on slot {slot.id} is free and in reach")
+                refused.setdefault("no placement is free and in reach", []).append(slot.id)
             for placement in placements:
                 plan = yield from self._path_to(placement, hold, cloud)
                 too_heavy = self._too_heavy(stone, plan)
@@ -118,9 +118,8 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                     found = PlacementPlanned(_in_slot(placement, asked), plan.trajectory)
                     told = ", as it hangs" if slot is not asked else _turned(T_map_map)
                     return succeeded(found, f"slot {slot.id}{told}")
-                reasons.append(f"slot {slot.id}: {too_heavy or plan.reason}")
-        causes = "; ".join(dict.fromkeys(reasons))
-        return failed(f"no path to any of {len(free_slots)} slots: {causes}")
+                refused.setdefault(too_heavy or plan.reason, []).append(slot.id)
+        return failed(f"no path to any of {len(free_slots)} slots: {_causes(refused)}")
 
     def _attempts(
         self, slots: Sequence[Slot], stone: Stone, hold: Hold, level: Float
@@ -169,6 +168,16 @@ class PlanPlacement(Action[PlanPlacementSettings]):
             held_kg=held_kg(self.context),
         )
         return (yield from self.context.job(self.context.use(MotionPlanner).move, request))
+
+
+def _causes(refused: Mapping[str, Sequence[int]]) -> str:
+    """Return each reason once, after the slots that it is true of."""
+    parts = []
+    for reason, slots in refused.items():
+        numbers = list(dict.fromkeys(slots))
+        named = f"slot{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+        parts.append(f"{named}: {reason}")
+    return "; ".join(parts)
 
 
 def _in_slot(placement: Placement, asked: Slot) -> Placement:

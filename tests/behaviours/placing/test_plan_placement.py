@@ -133,5 +133,12 @@ def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):
     ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
     assert ended.status == "FAILURE"
     assert "slot 1: the boom would hit stone 2" in ended.reason
-    assert "no placement on slot 2 is free and in reach" in ended.reason
+    assert "slot 2: no placement is free and in reach" in ended.reason
     assert ended.outputs == {}
+
+
+def test_a_cause_of_several_slots_is_told_once(stage, world):
+    plugins(world)["placing"] = stage.Scripted(PlacementPlanner, plan=[(), ()])
+    ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
+    assert "2 slots: slots 1, 2: no placement is free and in reach" in ended.reason
+    assert ended.reason.count("free and in reach") == 1
