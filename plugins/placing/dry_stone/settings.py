@@ -108,6 +108,10 @@ class CheckSettings(Settings):
     samples: int = Field(8, ge=1, le=100, description="Releases under noise that are tried.")
     worst: Meters = Field(0.10, gt=0, description="Largest distance from the plan of any [m].")
     worst_tilt: Radians = Field(0.14, gt=0, description="Largest rotation from it [rad].")
+    most_tilt: Radians | None = Field(None, gt=0, le=3.2, description=(
+        "Largest tilt against the attitude of its place in which a stone may settle [rad]; without "
+        "it 26°. A stone that is not known all around does not settle as its model does."
+    ))  # fmt: skip
     moved: Meters = Field(0.06, gt=0, description="Largest motion of any other stone [m].")
     friction: float = Field(0.6, gt=0, le=2, description="Coefficient of friction.")
     load: float = Field(0.03, ge=0, le=1, description=(

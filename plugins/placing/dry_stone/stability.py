@@ -146,7 +146,7 @@ class Checks:
         nominal = trial.release(
             place.T_map_stone, _RELEASE_M, Bounds(place.T_map_stone, _FAR_M, _FAR_RAD)
         )
-        refusal = self._refusal(nominal, place.T_map_stone, _FAR_M, _FAR_RAD)
+        refusal = self._settles_off(nominal, place)
         terms: dict[str, float] = {}
         if not refusal and self._has_equilibrium:
             load = self._load(trial, nominal.T_map_settled, place.stone.mass_kg)
@@ -169,8 +169,7 @@ class Checks:
         if neighbours.is_alone:
             return Stability("", T, 0.0, 0.0, {})
         found = neighbours.trial.release(T, _RELEASE_M, Bounds(T, _FAR_M, _FAR_RAD))
-        refusal = self._refusal(found, T, _FAR_M, _FAR_RAD)
-        if refusal:
+        if refusal := self._settles_off(found, place):
             return Stability(refusal, T, 0.0, 0.0, {})
         worlds = neighbours.trial, neighbours.others
         return self._under_noise(worlds, found.T_map_settled, turn, may_go_on, {})
@@ -203,6 +202,15 @@ class Checks:
                 refusal = f"{refusal}_under_noise"
                 break
         return Stability(refusal, T, worst_m, worst_rad, terms)
+
+    def _settles_off(self, found: Outcome, place: Place) -> str:
+        """Return why a stone that is let go at its place settles elsewhere, if it does."""
+        refusal = self._refusal(found, place.T_map_stone, _FAR_M, _FAR_RAD)
+        if refusal or self._settings.most_tilt is None:
+            return refusal
+        turned = found.T_map_settled[:3, :3] @ place.T_map_stone[:3, :3].T
+        tilt_rad = float(np.arccos(np.clip(turned[2, 2], -1.0, 1.0)))
+        return "tilts" if tilt_rad > self._settings.most_tilt else ""
 
     def _refusal(self, found: Outcome, T: Float, far_m: float, far_rad: float) -> str:
         distance_m, angle_rad = apart(T, found.T_map_settled)

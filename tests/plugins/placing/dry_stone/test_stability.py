@@ -125,3 +125,17 @@ def test_a_world_of_a_cell_holds_what_a_stone_can_reach_from_its_edge() -> None:
 def test_without_a_neighbour_nothing_is_fixed() -> None:
     place = Place(box("next", 0.6, 0.6, 0.3), pose(t=np.array([6.0, 0.0, 0.2])), 0.0, {})
     assert TrialsOfStructure(SETTINGS).among_fixed(first_course(), place).is_alone
+
+
+@pytest.mark.parametrize(("most_tilt", "refusal"), [(None, ""), (0.2, ""), (0.05, "tilts")])
+def test_a_stone_may_tilt_as_it_settles_by_no_more_than_is_allowed(
+    most_tilt: float | None, refusal: str
+) -> None:
+    """One edge on a box of 0.1 m, the other on the ground: 0.1 m over 0.9 m are 0.11 rad."""
+    low = StandingStone(box("low", 0.2, 0.6, 0.1), pose(t=np.array([0.4, 0.0, 0.05])))
+    place = Place(STONE, pose(t=np.array([0.0, 0.0, 0.25])), 0.0, {})
+    settings = CheckSettings(
+        pieces=1, other_pieces=0, samples=1, noise=0.0, tilt_noise=0.0, most_tilt=most_tilt
+    )
+    found = found_at(Checks(settings), place, first_course().with_standing(low))
+    assert found.refusal == refusal
