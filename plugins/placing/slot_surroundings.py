@@ -18,6 +18,9 @@ _IN_GROUND_M = 0.02  # a ground point deeper than this in the gripper is a colli
 _LEVEL_M = 0.15  # points higher than this above the ground belong to neighbours
 # Least distance of a neighbour from the stone and the jaws; its far side may not have been seen.
 _APART_M = 0.10
+# Room of the jaws beside neighbours on which a stone is to rest: of the errors of their poses and
+# of the surfaces that were seen, as `room` of `ReleaseStone`.
+_ROOM_M = 0.05
 _GROUND_BAND_M = 0.35  # ground under the stone is at most this far from the slot's height
 _HIGHEST = 0.95  # quantile of the ground heights on which the stone comes to lie
 _INNER = 0.8  # share of the stone's width under which ground carries it
@@ -33,17 +36,25 @@ class SlotFoot:
         radius_m: Distance of the stone's farthest point from the slot, from above [m].
         corners_map: Corners of the stone's box on the slot; None where it may turn freely.
         apart_m: Least distance of the stone and the jaws from neighbours [m].
+        lowered_m: How far the jaws go down with the stone from the pose at which it is checked to
+            that in which it is to rest [m]; None where only the ground says how it will rest.
     """
 
     position_map: Float
     radius_m: float
     corners_map: Float | None = None
     apart_m: float = _APART_M
+    lowered_m: float | None = None
 
     @classmethod
-    def of(cls, slot: Slot, radius_m: float, box: Box | None) -> "SlotFoot":
-        """Return the foot of a stone on a slot; neighbours may come as near as half of its gap."""
+    def of(cls, slot: Slot, radius_m: float, box: Box | None, drop_m: float = 0.0) -> "SlotFoot":
+        """Return the foot of a stone on a slot; neighbours may come as near as half of its gap.
+
+        Where the slot has the pose of a stone, that is checked `drop_m` above it.
+        """
         apart_m = _APART_M if slot.gap_m is None else min(_APART_M, slot.gap_m / 2)
+        if slot.T_map_object is not None:
+            return cls(slot.position_map, radius_m, None, apart_m, drop_m)
         if box is None or slot.heading_rad is None:
             return cls(slot.position_map, radius_m, None, apart_m)
         centre = slot.position_map[:2]
@@ -64,7 +75,7 @@ class SlotSurroundings:
     """The cloud near a slot, split into ground and neighbours."""
 
     def __init__(self, gripper: Gripper, cloud: Float, foot: SlotFoot) -> None:
-        self._apart_m = foot.apart_m
+        self._apart_m, self._lowered_m = foot.apart_m, foot.lowered_m
         self._gripper = gripper
         self._palm = [half_spaces(shape.vertices) for shape in gripper.palm_shapes]
         self._jaws = {
@@ -78,7 +89,9 @@ class SlotSurroundings:
         near = near[first_in_cells(near, _SPACING_M)]
         level = float(foot.position_map[2])
         under = cloud[foot.is_under(cloud) & (np.abs(cloud[:, 2] - level) < _GROUND_BAND_M), 2]
-        self.ground_m = float(np.quantile(under, _HIGHEST)) if len(under) else level
+        is_posed = foot.lowered_m is not None  # what is under the stone may be its neighbours
+        is_by_ground = len(under) > 0 and not is_posed
+        self.ground_m = float(np.quantile(under, _HIGHEST)) if is_by_ground else level
         is_high = near[:, 2] > self.ground_m + _LEVEL_M
         self._ground, self._neighbours = near[~is_high], near[is_high]
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
@@ -87,13 +100,20 @@ class SlotSurroundings:
         """Return whether stone and opening jaws clear the neighbours, and the jaws the ground.
 
         The jaws open as far as they do to let this stone go (`ReleaseStone`), not as they can.
+        Beside stones on which it is to rest they open by half of that where there is no more room,
+        and are where it rests by then.
         """
         if self._tree is not None and self._tree.query(stone_map)[0].min() < self._apart_m:
             return False
         T_gripper_map = inverse(T_map_gripper)
         stone = transform(T_gripper_map, stone_map)
         angles = release_angles(self._gripper, stone, T_map_gripper[2, :3])
-        if self._depth_m(transform(T_gripper_map, self._neighbours), angles) > -self._apart_m:
+        if self._lowered_m is None:
+            apart_m, neighbours, opened = self._apart_m, self._neighbours, angles
+        else:
+            apart_m, opened = max(self._apart_m, _ROOM_M), angles[:2]
+            neighbours = self._neighbours + (0.0, 0.0, self._lowered_m)
+        if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False
         return self._depth_m(transform(T_gripper_map, self._ground), angles) < _IN_GROUND_M
 

@@ -143,7 +143,9 @@ class Slots(PlacementPlanner):
         if slot.T_map_object is None and slot.heading_rad is not None:
             box, held = stone.box_map, held.centred(stone.box_map.centre)
         around = SlotSurroundings(
-            self._machine.gripper, cloud.points, SlotFoot.of(slot, held.radius_m, box)
+            self._machine.gripper,
+            cloud.points,
+            SlotFoot.of(slot, held.radius_m, box, s.drop_m),
         )
         bottom_m = around.ground_m + s.drop_m
         motions: Iterable[Float]

@@ -7,9 +7,11 @@ from executive_plugins.placing.dry_stone.rasters import WallTop
 
 from executive.arrays import Bool, Float, Int
 
+_ROOM_M = 0.05  # above stones that stand: of the errors of their poses, as `slots` asks for
+
 
 def has_room(wall: WallTop, nodes: Int, heights_m: Float, jaws: Sequence[Float], R: Float) -> Bool:
-    """Return at which places the jaws of one grasp at least are above all stones that stand.
+    """Return at which places the jaws of one grasp at least are 5 cm above all stones that stand.
 
     The ground is not in their way: they had room there where the stone lay.
 
@@ -27,7 +29,7 @@ def has_room(wall: WallTop, nodes: Int, heights_m: Float, jaws: Sequence[Float],
         at = nodes[left, None] + cells
         is_over: Bool = np.all((at >= 0) & (at < wall.top.shape), axis=2)
         i, j = np.where(is_over[..., None], at, 0).transpose(2, 0, 1)
-        meets = wall.top[i, j] > heights_m[left, None] + under_m
+        meets = wall.top[i, j] > heights_m[left, None] + under_m - _ROOM_M
         is_free[left] = ~(meets & is_over & (wall.owner[i, j] >= 0)).any(axis=1)
     return is_free
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundings
 
 from executive.arrays import Float
@@ -27,6 +28,13 @@ def outermost(machine: Machine, angle_rad: float = RELEASE_RAD) -> Float:
     parts = machine.gripper.hulls(angle_rad).values()
     corners = transform(T_MAP_GRIPPER, np.vstack([hull for hulls in parts for hull in hulls]))
     return np.asarray(corners[corners[:, 1].argmax()])
+
+
+def lowest(machine: Machine) -> Float:
+    """Return the lowest corner of the jaws that let go what is a point between its tips [m]."""
+    parts = machine.gripper.hulls(RELEASE_RAD / 2).values()
+    corners = transform(T_MAP_GRIPPER, np.vstack([hull for hulls in parts for hull in hulls]))
+    return np.asarray(corners[corners[:, 2].argmin()])
 
 
 def test_jaws_keep_ten_centimetres_from_a_neighbour(machine: Machine, site: tuple) -> None:
@@ -79,3 +87,33 @@ def test_neighbours_come_as_near_as_half_the_gap_and_ten_centimetres_at_most() -
     np.testing.assert_allclose([low, high], [[1.6, 0.8], [2.4, 1.2]])  # four fifths of the box
     assert SlotFoot.of(narrow, 0.7, None).corners_map is None
     assert SlotFoot.of(narrow, 0.7, None).apart_m == 0.04
+
+
+@pytest.mark.parametrize(
+    ("below_m", "drop_m", "is_free"),
+    [(0.02, 0.0, False), (0.08, 0.0, True), (0.08, 0.05, False), (0.12, 0.05, True)],
+)
+def test_jaws_keep_five_centimetres_above_neighbours_where_the_stone_is_to_rest(
+    machine: Machine, site: tuple, below_m: float, drop_m: float, is_free: bool
+) -> None:
+    """A stone of a structure is checked above its place, and its jaws go down with it."""
+    ground: Callable[..., Float] = site[1]
+    neighbour = lowest(machine) - (0.0, 0.0, below_m)
+    slot = Slot(1, np.zeros(3), None, 0.0, np.eye(4))
+    around = SlotSurroundings(
+        machine.gripper,
+        np.vstack([ground(4.0), neighbour]),
+        SlotFoot.of(slot, 0.5, None, drop_m),
+    )
+    assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
+
+
+def test_stones_under_one_that_rests_on_them_are_no_ground(machine: Machine, site: tuple) -> None:
+    """The highest part of free ground bears a stone; a slot with a pose says the height itself."""
+    bed = site[1](4.0) + (0.0, 0.0, 0.3)
+    posed = Slot(1, np.zeros(3), None, 0.0, np.eye(4))
+    heights_m = [
+        SlotSurroundings(machine.gripper, bed, SlotFoot.of(slot, 0.5, None)).ground_m
+        for slot in (Slot(1, np.zeros(3)), posed)
+    ]
+    np.testing.assert_allclose(heights_m, [0.3, 0.0], atol=0.05)

@@ -65,6 +65,11 @@ def test_the_ground_and_what_is_below_are_not_in_the_way() -> None:
     assert not free(built(-0.4, 0.4), (ALONG,), 0.0, z=0.65)
 
 
+@pytest.mark.parametrize(("above_m", "is_free"), [(0.03, False), (0.07, True)])
+def test_jaws_keep_five_centimetres_above_a_neighbour(above_m: float, is_free: bool) -> None:
+    assert free(built(0.0), (ALONG,), 0.9, z=0.5 + 0.2 + above_m) == is_free
+
+
 @pytest.mark.parametrize("grasps", [(), (ALONG,), (ALONG, ACROSS)])
 def test_places_without_room_are_not_proposed(grasps: tuple[Float, ...]) -> None:
     settings = GeneratorSettings(attitude="kept", turns=1, stride=1)
