@@ -30,8 +30,6 @@ from executive.messages.placement import Placement
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
 
-_STANDS = 0.5  # share of the stone's weight below which the ground carries it
-
 
 class LowerUntilDownSettings(Settings):
     step: Meters = Field(
@@ -46,6 +44,14 @@ class LowerUntilDownSettings(Settings):
         ge=0,
         le=1,
         description="How far below the planned place the ground is sought [m].",
+    )
+    stands: float = Field(
+        0.5,
+        gt=0,
+        lt=1,
+        description="Share of the stone's weight of which less hangs in the jaws once the ground "
+        "carries it. By 0.5 a long stone that has met something with one end is lowered on, and "
+        "turns in the jaws.",
     )
     early: Meters | None = Field(
         None,
@@ -85,7 +91,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
         planned_m, weight = placement.T_map_gripper[2, 3], self.context.weight()
-        least_kg = 0.0 if weight is None else _STANDS * weight.mass_kg
+        least_kg = 0.0 if weight is None else self.settings.stands * weight.mass_kg
         while True:
             left = yield from hanging(self.context, self.settings.window, least_kg)
             above_m = self._height_m() - planned_m

@@ -155,3 +155,18 @@ def test_a_stone_without_a_way_down_is_not_lowered(lowering, stage, world):
     plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=NO_WAY)
     ended = world.tick(LowerUntilDown, hold=world.hold, placement=placement(SLOTS[0]))
     assert (ended.status, ended.reason) == ("FAILURE", "no path down: the boom would hit stone 2")
+
+
+@pytest.mark.parametrize(("given", "met_m"), [({}, 1.83), ({"stands": 0.8}, 1.9)])
+def test_it_stops_at_what_bears_a_part_of_the_stone_where_that_is_asked_for(
+    lowering, world, given: dict[str, float], met_m: float
+):
+    """One end of the stone meets something at 1.9 m, which bears 270 of 900 kg."""
+    context = world.leaf_context
+
+    def borne(payload_kg):
+        return lambda: min(payload_kg(), 630.0 if context.gripper()[2, 3] < 1.9 else 900.0)
+
+    ended = lowering(1.83, jolted=borne, **given)
+    assert ended.status == "SUCCESS"
+    assert ended.events[0].above_m == pytest.approx(met_m - 1.94, abs=0.03)
