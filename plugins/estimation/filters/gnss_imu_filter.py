@@ -186,7 +186,7 @@ class GnssImuFilter(CabinEstimator):
             self._contradicted_s = max(self._contradicted_s, apart_s)
         if self._stamp_gate.admits(stream, increment.to_s):
             look = partial(self._look, trailing, increment)
-            trailing.add_apart(Correction(increment.to_s, look))
+            trailing.add_look(Correction(increment.to_s, look))
 
     def _look(self, trailing: TrailingFilter[ErrorStateFilter], increment: LidarIncrement) -> None:
         """Keep the filter at the end of an increment, to be compared."""

@@ -44,6 +44,8 @@ class OdometryWitnesses:
         self._arm = transform(inverse(T_imu_cabin), middle)
         self._witnesses: dict[str, OdometryWitness] = {}
         self._waiting: deque[tuple[KeptFilter, LidarIncrement, bool]] = deque()
+        # The one that contradicts a state most, kept because each inertial sample asks for it.
+        self._widest: OdometryWitness | None = None
 
     def knows(self, frame: str) -> bool:
         """Return whether a sensor of odometry is on the cabin."""
@@ -72,6 +74,8 @@ class OdometryWitnesses:
             witness.take(kept, self._of_imu(increment), is_sound)
             if witness.is_apart:
                 apart_s = max(apart_s, increment.to_s)
+            widest = max(self._witnesses.values(), key=attrgetter("size2"))
+            self._widest = widest if widest.size2 > 0.0 else None
         return float(apart_s)
 
     def _of_imu(self, increment: LidarIncrement) -> LidarIncrement:
@@ -86,8 +90,8 @@ class OdometryWitnesses:
 
     def widened(self, state: BaseState) -> BaseState:
         """Return a state whose covariance holds what odometry says as well."""
-        witness = max(self._witnesses.values(), key=attrgetter("size2"), default=None)
-        if witness is None or witness.size2 == 0.0:
+        witness = self._widest
+        if witness is None:
             return state
         R, covariance = state.T_map_cabin[:3, :3], state.covariance.copy()
         by_turn = np.vstack([np.eye(3), skew(self._arm)])

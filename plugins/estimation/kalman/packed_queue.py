@@ -18,7 +18,7 @@ from executive_plugins.estimation.live.packed_state import ROW
 from numba import from_dtype, njit, types
 
 ROOM = 64  # corrections: two antennas at 20 Hz and ten of standstill, for more than a second
-NOT_PACKED, FIX, STANDING = 0, 1, 2  # kinds
+NOT_PACKED, FIX, STANDING, LOOK = 0, 1, 2, 3  # kinds
 # What `follow_queue` says beside the bits of `use_fix`.
 REPORTED, REFUSED_STANDING, LEFT_TO_CALLER, NOT_FINITE = -1, -2, -3, -4
 
@@ -35,7 +35,8 @@ CORRECTION = np.dtype(
     ],
     align=True,
 )
-"""A fix, see `Fix`, or a chassis at rest with the angular velocity of the cabin on it."""
+"""A fix, see `Fix`, a chassis at rest with the angular velocity of the cabin on it, or the time at
+which the caller looks at the filter."""
 
 QUEUE = np.dtype(
     [
@@ -121,8 +122,8 @@ def follow_queue(  # noqa: PLR0913 - compiled code takes the arrays of a problem
         `REPORTED` if all was done, or `NOT_FINITE` if the state was not finite and is not reported.
         Otherwise the next correction in the queue is left to the caller: the bits of `use_fix` say
         of a fix what was found, `REFUSED_STANDING` that the chassis was not at rest, and
-        `LEFT_TO_CALLER` that the correction is not in this memory; then the filter was not
-        advanced to its time.
+        `LEFT_TO_CALLER` that it is no correction that this code makes. The filter is advanced to
+        its time unless its kind is `NOT_PACKED`: then the time is not in this memory.
     """
     q = queue[0]
     q.used = 0
@@ -132,6 +133,8 @@ def follow_queue(  # noqa: PLR0913 - compiled code takes the arrays of a problem
             return LEFT_TO_CALLER
         if c.stamp_s > block[0].sample.stamp_s:
             q.first = predict_until(block, ring, q.first, end, c.stamp_s)
+        if c.kind == LOOK:
+            return LEFT_TO_CALLER
         said = _correct(block, innovations, q, c)
         if said != REPORTED:
             return int(said)

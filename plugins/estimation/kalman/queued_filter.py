@@ -11,6 +11,8 @@ from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFil
 from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.kalman.packed_queue import (
     FIX,
+    LEFT_TO_CALLER,
+    LOOK,
     NOT_FINITE,
     NOT_PACKED,
     QUEUE,
@@ -29,6 +31,7 @@ from executive.arrays import Float
 _follow_queue = direct(follow_queue)
 _APART = ROOM - 1  # the place of corrections for which there is no room
 _NONE = np.zeros(3)
+_NOTHING = _NONE, _NONE, np.zeros((3, 3)), 0.0  # of a fix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,19 +114,20 @@ class QueuedFilter(TrailingFilter[ErrorStateFilter]):
 
     def add_standing(self, correction: Correction, rate_cabin: Float) -> bool:
         """Add a correction by a chassis at rest, whose cabin turns on it; see `add_fix`."""
-        nothing = _NONE, _NONE, np.zeros((3, 3)), 0.0
-        return self._add(correction, (correction.stamp_s, STANDING, 0, *nothing, rate_cabin))
+        values = correction.stamp_s, STANDING, 0, *_NOTHING, rate_cabin
+        return self._add(correction, values)
 
-    def add_apart(self, correction: Correction) -> None:
-        """Add what only looks at the filter, which compiled code leaves to Python."""
-        correction.place = _APART
-        super().add_apart(correction)
-        self._arrange()
+    def add_look(self, correction: Correction) -> None:
+        """Add what only looks at the filter: compiled code advances that to its time."""
+        values = correction.stamp_s, LOOK, 0, *_NOTHING, _NONE
+        self._add(correction, values, is_awaited=False)
 
-    def _add(self, correction: Correction, values: tuple[object, ...]) -> bool:
-        """Add a correction with its row of the queue, see `CORRECTION`."""
+    def _add(
+        self, correction: Correction, values: tuple[object, ...], is_awaited: bool = True
+    ) -> bool:
+        """Add a correction with its row of the queue, see `CORRECTION` and `add`."""
         before = len(self._corrections)
-        is_in_time = self.add(correction)
+        is_in_time = self.add(correction, is_awaited)
         if len(self._corrections) > before:
             correction.place = self._free.pop() if self._free else _APART
             if correction.place != _APART:
@@ -197,7 +201,7 @@ class QueuedFilter(TrailingFilter[ErrorStateFilter]):
         correction = self._corrections[0]
         self._begin[0] += 1
         self._drop(1)
-        if correction.place == _APART:
+        if said == LEFT_TO_CALLER:
             self._predict_to(correction.stamp_s)
             self._sample[0] = self._first
             correction.apply()

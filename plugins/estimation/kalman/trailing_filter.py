@@ -112,8 +112,8 @@ class TrailingFilter(Generic[K]):
         """Add a correction by a chassis at rest; see `QueuedFilter.add_standing`."""
         return self.add(correction)
 
-    def add_apart(self, correction: Correction) -> None:
-        """Add what only looks at the filter; see `QueuedFilter.add_apart`."""
+    def add_look(self, correction: Correction) -> None:
+        """Add what only looks at the filter; see `QueuedFilter.add_look`."""
         self.add(correction, is_awaited=False)
 
     def ignore_standing(self, _: float) -> None:

@@ -55,6 +55,22 @@ def test_states_and_their_account_are_the_same_to_the_bit(machine, cabin, is_sou
     assert bool(answers[0][2]) != is_sound  # some of the wrong fixes are refused
 
 
+def test_odometry_looks_at_the_same_filter_to_the_bit(machine, cabin, with_lidar, shifted) -> None:
+    """Fixes that drift by 5 cm/s draw the filter along, and odometry widens its state."""
+
+    def drifting(stamp_s):
+        return np.array([0.05 * max(0.0, stamp_s - 5.0), 0.0, 0.0])
+
+    observations = list(shifted(with_lidar(cabin, cabin.observations(14.0)), drifting))
+    answers = []
+    for kind in (GnssImuFilter, OneByOne):
+        estimator = kind(kind.Settings(standing={"is_used": False}), machine)
+        estimator.start()
+        answers.append(feed(estimator, observations, is_sound=True))
+        assert estimator._witnesses._widest is not None
+    assert answers[0] == answers[1]
+
+
 def test_states_that_were_handed_out_do_not_change(cabin, start) -> None:
     estimator, kept = start(), []
     for observation in cabin.observations(5.0):
