@@ -1,14 +1,16 @@
 """The motion of a solved recording at any time, by the inertial samples between keyframes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from executive_plugins.estimation.inertial.sample_buffer import SampleBuffer
-from executive_plugins.estimation.inertial.state import InertialState, propagate
+from executive_plugins.estimation.inertial.state import Inertial, InertialState, propagate
 from scipy.spatial.transform import Rotation, Slerp
 
 from executive.arrays import Float
+from executive.geometry.rotation import exp_so3, log_so3
 
 
 class MotionTrack:
@@ -17,15 +19,18 @@ class MotionTrack:
     def __init__(
         self, keyframes: Sequence[InertialState], samples: SampleBuffer, gravity_m_s2: float
     ) -> None:
-        """Carry each keyframe on to the next; what they then differ by is left where it is."""
+        """Carry each keyframe on to the next, and spread what they then differ by over the time.
+
+        With a step at each keyframe, the residuals of increments would have steps as well where
+        their clock moves them past a keyframe, and a least-squares problem minima between these.
+        """
         states: list[InertialState] = []
         for first, second in pairwise(keyframes):
-            state = first
-            states.append(state)
-            for sample in samples.between(first.stamp_s, second.stamp_s)[:-1]:
-                state = propagate(state, sample, gravity_m_s2)
-                states.append(state)
+            between = samples.between(first.stamp_s, second.stamp_s)
+            states += _ending_at(second, _carried(first, between, gravity_m_s2))[:-1]
+        states += keyframes[-1:]
         self._stamps_s = np.array([state.stamp_s for state in states])
+        self._half_s = float(np.median(np.diff(self._stamps_s))) / np.sqrt(12.0)
         self._p = np.array([state.p_map_imu for state in states])
         self._turns = Slerp(
             self._stamps_s, Rotation.from_matrix([state.R_map_imu for state in states])
@@ -33,11 +38,46 @@ class MotionTrack:
 
     @property
     def span_s(self) -> tuple[float, float]:
-        """The first and the last time [s]."""
-        return float(self._stamps_s[0]), float(self._stamps_s[-1])
+        """The first and the last time that have samples on both sides [s]."""
+        return float(self._stamps_s[0] + self._half_s), float(self._stamps_s[-1] - self._half_s)
 
     def at(self, stamps_s: Float) -> tuple[Rotation, Float]:
-        """Return orientations and positions, shape (n, 3); a time outside takes the nearest end."""
+        """Return orientations and positions, shape (n, 3); a time outside takes the nearest end.
+
+        Each is the mean over the time of one sample, by two points (Gauss-Legendre). A straight way
+        between two samples has less of their noise in its middle than at its ends. As all
+        increments of a regular odometry pass its ends together, their clock would be drawn to the
+        middle. The noise in the mean is the same everywhere, within 3 % of one sample's variance.
+        """
         inside = np.clip(stamps_s, *self.span_s)
+        R0, p0 = self._between(inside - self._half_s)
+        R1, p1 = self._between(inside + self._half_s)
+        return R0 * Rotation.from_rotvec(0.5 * (R0.inv() * R1).as_rotvec()), 0.5 * (p0 + p1)
+
+    def _between(self, stamps_s: Float) -> tuple[Rotation, Float]:
+        """Return what is on the straight way between two samples."""
+        inside = np.clip(stamps_s, self._stamps_s[0], self._stamps_s[-1])  # but for rounding
         p = np.column_stack([np.interp(inside, self._stamps_s, self._p[:, i]) for i in range(3)])
         return self._turns(inside), p
+
+
+def _carried(
+    state: InertialState, samples: Sequence[Inertial], gravity_m_s2: float
+) -> list[InertialState]:
+    """Return a state, and where each sample takes it."""
+    states = [state]
+    for sample in samples:
+        states.append(propagate(states[-1], sample, gravity_m_s2))
+    return states
+
+
+def _ending_at(keyframe: InertialState, states: Sequence[InertialState]) -> list[InertialState]:
+    """Return states that end where a keyframe is: what they are off by grows with the time."""
+    first, last, ended = states[0], states[-1], []
+    turn = log_so3(last.R_map_imu.T @ keyframe.R_map_imu)
+    shift = keyframe.p_map_imu - last.p_map_imu
+    for state in states:
+        share = (state.stamp_s - first.stamp_s) / (last.stamp_s - first.stamp_s)
+        R = state.R_map_imu @ exp_so3(share * turn)
+        ended.append(replace(state, R_map_imu=R, p_map_imu=state.p_map_imu + share * shift))
+    return ended

@@ -84,7 +84,10 @@ class OdometryProblem:
 
     def solved(self) -> OdometryFit | None:
         """Return the fit; None if the increments do not determine it."""
-        guesses = np.arange(-self._limit_s, self._limit_s + _COARSE_S / 2, _COARSE_S)
+        count = round(self._limit_s / _COARSE_S)
+        # Zero has to be exact: the first step of the solver is at most as long as the vector that
+        # it begins with, and of a usual length only if all of that is zero.
+        guesses = _COARSE_S * np.arange(-count, count + 1)
         late_s = min(guesses, key=self._turning_misfit)
         first = np.zeros(_UNKNOWNS)
         first[LATE] = late_s
