@@ -30,7 +30,6 @@ class MotionTrack:
             states += _ending_at(second, _carried(first, between, gravity_m_s2))[:-1]
         states += keyframes[-1:]
         self._stamps_s = np.array([state.stamp_s for state in states])
-        self._half_s = float(np.median(np.diff(self._stamps_s))) / np.sqrt(12.0)
         self._p = np.array([state.p_map_imu for state in states])
         self._turns = Slerp(
             self._stamps_s, Rotation.from_matrix([state.R_map_imu for state in states])
@@ -38,25 +37,12 @@ class MotionTrack:
 
     @property
     def span_s(self) -> tuple[float, float]:
-        """The first and the last time that have samples on both sides [s]."""
-        return float(self._stamps_s[0] + self._half_s), float(self._stamps_s[-1] - self._half_s)
+        """The first and the last time [s]."""
+        return float(self._stamps_s[0]), float(self._stamps_s[-1])
 
     def at(self, stamps_s: Float) -> tuple[Rotation, Float]:
-        """Return orientations and positions, shape (n, 3); a time outside takes the nearest end.
-
-        Each is the mean over the time of one sample, by two points (Gauss-Legendre). A straight way
-        between two samples has less of their noise in its middle than at its ends. As all
-        increments of a regular odometry pass its ends together, their clock would be drawn to the
-        middle. The noise in the mean is the same everywhere, within 3 % of one sample's variance.
-        """
+        """Return orientations and positions, shape (n, 3); a time outside takes the nearest end."""
         inside = np.clip(stamps_s, *self.span_s)
-        R0, p0 = self._between(inside - self._half_s)
-        R1, p1 = self._between(inside + self._half_s)
-        return R0 * Rotation.from_rotvec(0.5 * (R0.inv() * R1).as_rotvec()), 0.5 * (p0 + p1)
-
-    def _between(self, stamps_s: Float) -> tuple[Rotation, Float]:
-        """Return what is on the straight way between two samples."""
-        inside = np.clip(stamps_s, self._stamps_s[0], self._stamps_s[-1])  # but for rounding
         p = np.column_stack([np.interp(inside, self._stamps_s, self._p[:, i]) for i in range(3)])
         return self._turns(inside), p
 

@@ -29,6 +29,21 @@ class Track:
         return Rotation.from_euler("ZYX", np.column_stack(angles)), np.column_stack(place)
 
 
+class NoisyTrack(Track):
+    """The motion as noisy samples tell it."""
+
+    def __init__(self, seed):
+        rng = np.random.default_rng(seed)
+        self._stamps_s = np.arange(0.0, self.span_s[1] + 0.004, 0.004)
+        shape = len(self._stamps_s), 3
+        self._wander = np.cumsum(rng.normal(0, 0.04 * 0.004, shape), axis=0)
+
+    def at(self, stamps_s):
+        R, p = super().at(stamps_s)
+        columns = [np.interp(stamps_s, self._stamps_s, one) for one in self._wander.T]
+        return R * Rotation.from_rotvec(np.column_stack(columns)), p
+
+
 def increments(late_s, count=95):
     """Yield what a sensor measures whose stamps are late, five times a second."""
     rng = np.random.default_rng(2)
@@ -81,3 +96,20 @@ def test_errors_that_are_alike_for_seconds_widen_the_covariance() -> None:
         assert 0.8 < fit.misfit < 1.1
         arms_m.append(np.sqrt(np.trace(fit.covariance[3:6, 3:6])))
     assert arms_m[1] > 1.5 * arms_m[0]
+
+
+def test_noise_of_samples_neither_draws_a_clock_nor_makes_it_certain() -> None:
+    """The motion turns by white noise as well: 0.04 rad/s in 250 samples a second.
+
+    Least squares take that for motion that tells of the clock.
+    """
+    errors, stds = [], []
+    for seed in range(3):
+        fit = OdometryProblem(
+            list(increments(0.013, 150)), NoisyTrack(seed), DECLARED, (0.1, 0.3, 0.15)
+        ).solved()
+        assert fit is not None
+        errors.append(fit.late_s - 0.013)
+        stds.append(np.sqrt(fit.covariance[6, 6]))
+    assert (np.abs(errors) < 3.0 * np.array(stds)).all()
+    assert 0.001 < min(stds) <= max(stds) < 0.005
