@@ -1,7 +1,9 @@
 """How likely a fix is by a packed filter, without the judgement of earlier innovations."""
 
+import math
+
 import numpy as np
-from executive_plugins.estimation.cholesky import squared_distance
+from executive_plugins.estimation.cholesky import squared_distance, whitened
 from executive_plugins.estimation.direct_call import direct
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.kalman.layout import Block
@@ -39,7 +41,15 @@ def log_likelihood(block: Block, noise: Float | None = None) -> float:
     Args:
         block: The filter; a constant that is the same for all is left out.
         noise: Covariance of the fix [m²], shape (9,); None for that of the comparison.
+
+    Returns:
+        -inf by a filter whose covariance is not positive definite or not finite any more: one that
+        takes an inertial sensor for wrong may diverge until its values overflow.
     """
     row = block[0]
     S = (row["predicted"][:9] + (row["noise"][:9] if noise is None else noise)).reshape(3, 3)
-    return -0.5 * (squared_distance(S, row["residual"][:3]) + float(np.linalg.slogdet(S)[1]))
+    found = whitened(S, row["residual"][:3])
+    if found is None:
+        return -math.inf
+    _, L, distance2 = found
+    return -0.5 * distance2 - float(np.log(np.diag(L)).sum())

@@ -131,7 +131,7 @@ class SensorBank:
 
     def _is_decided(self, best: SensorModel) -> bool:
         """Return whether the likeliest hypothesis is so likely that it may be the first."""
-        if not best.sensor or best.gain <= _FAR_LIKELIER:
+        if not (best.sensor and best.gain > _FAR_LIKELIER):
             return False
         return all(
             _leads(best, one, _APART if one.sensor else _FAR_LIKELIER)
