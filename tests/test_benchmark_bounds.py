@@ -160,6 +160,33 @@ def test_maps_are_held_to_drift_and_time(
     assert bounds.verdict(trial.swings([1, 2])) == status
 
 
+@pytest.mark.parametrize(
+    ("worst_bias_m", "std_m", "drives", "status"),
+    [(0.0017, 0.012, False, 0), (0.0019, 0.012, True, 1), (0.0017, 0.013, False, 1)],
+)
+def test_estimates_of_missions_are_held_to_the_worst_of_all(
+    load, monkeypatch, capsys, worst_bias_m: float, std_m: float, drives: bool, status: int
+) -> None:
+    """The mission and its machine are those that the command line asks for."""
+    trial, runs = load("trials.mission_estimates"), []
+
+    def recorded(mission, settings, seed, folder):
+        runs.append((Path(mission).stem, tuple(settings), seed))
+        return seed
+
+    def compared(seed, estimators, options):
+        error_m = {"bias": worst_bias_m / seed, "component_std": std_m}
+        return {estimators[0]: {"truth": {"error_m": error_m}, "duration_s": 30.0}}
+
+    monkeypatch.setattr(trial, "record_mission", recorded)
+    monkeypatch.setattr(trial, "compare_on", compared)
+    words = ["1:2", *["--drive"] * drives]
+    assert ended(load("mission_estimates"), words) == status
+    mission, settings = ("drive_and_scan", ()) if drives else ("map_site", ("robot.base=on_legs",))
+    assert runs == [(mission, settings, 1), (mission, settings, 2)]
+    assert f"({50 * worst_bias_m:.2f} to {100 * worst_bias_m:.2f})" in capsys.readouterr().out
+
+
 def test_the_scenarios_that_a_command_line_knows_are_those_that_there_are(load) -> None:
     assert set(load("estimation_faults").SCENARIOS) == set(load("scenarios.scenario").SCENARIOS)
     assert set(load("grasp_sites").RANKINGS) == set(load("trials.grasp_rows").RANKINGS)

@@ -80,6 +80,19 @@ def drifting(at_s):
     return 0.1 * since(at_s) * np.array([0.8, 0.6, 0.0])
 
 
+def test_the_size_of_what_differs_is_kept_with_it() -> None:
+    """Ways differ first, and turns as well later; sound odometry has no size at all."""
+    sizes = []
+    for _, witness in Walk(drifting, lambda at_s: 0.02 * since(at_s)).until(20.0):
+        sizes.append(witness.size2)
+        assert witness.size2 == np.trace(witness.moved2) + np.trace(witness.turned2)
+    assert sizes[100] == 0.0
+    assert np.trace(witness.moved2) > 0.0
+    assert np.trace(witness.turned2) > 0.0
+    witness.forget()
+    assert witness.size2 == 0.0
+
+
 def test_sound_odometry_contradicts_nothing() -> None:
     assert not any(witness.is_apart for _, witness in Walk().until(40.0))
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.filters.inertial_way import KeptFilter
+from executive_plugins.estimation.filters.odometry_witness import OdometryWitness
 from executive_plugins.estimation.filters.status_account import GLOBAL, SUSPECT
 from executive_plugins.estimation.kalman.packed_queue import ROOM
 
@@ -102,6 +104,26 @@ def test_looks_take_no_room_from_the_corrections_that_wait(cabin, start, with_li
     trailing = estimator._trailing
     waiting = [one.place for one in trailing._corrections if one.place != ROOM - 1]
     assert sorted(trailing._free + waiting) == list(range(ROOM - 1))
+
+
+def test_a_state_is_widened_by_the_stream_that_contradicts_it_most(
+    cabin, start, with_lidar, run
+) -> None:
+    estimator = start()
+    *_, state = run(estimator, with_lidar(cabin, cabin.observations(6.0)))
+    witnesses = estimator._witnesses
+    assert witnesses.widened(state) is state
+    (known,) = witnesses._witnesses.values()
+    increment = LidarIncrement(5.8, 5.9, "lidar_horizontal", np.eye(4), np.eye(6))
+    for moved_m2 in (1.0, 4.0, 2.0):
+        other = OdometryWitness(10.0, estimator._propagator)
+        other.moved2, other.size2 = moved_m2 * np.eye(3), 3 * moved_m2
+        witnesses._witnesses[f"lidar {moved_m2}"] = other
+    witnesses.look(KeptFilter(estimator._trailing.kalman.block.copy(), 0), increment, False)
+    witnesses.compare()
+    added = witnesses.widened(state).covariance - state.covariance
+    np.testing.assert_allclose(added[3:, 3:], 4.0 * np.eye(3), atol=1e-9)
+    assert known.size2 < 1e-3
 
 
 def test_odometry_of_no_sensor_of_the_cabin_is_ignored(estimator, cabin, run) -> None:
