@@ -1,8 +1,8 @@
 """What a calibration begins with: the samples, the fixes, and a filter's states along the log."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from executive_plugins.estimation.calibration.settings import KeyframeBatchSettings
@@ -20,6 +20,9 @@ from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.observation import Observation
 from executive.messages.odometry import LidarIncrement
+
+# Headings from which a solution is found, as in `WindowStart`, and how many deviations are within.
+_BASIN_RAD, _SIGMAS = np.pi / 2, 3.0
 
 
 class FirstGuess(GnssImuFilter):
@@ -44,6 +47,12 @@ class FirstGuess(GnssImuFilter):
     def clock_s(self) -> float:
         """Stamps of the fixes minus times of measurement, as the filter has estimated it [s]."""
         return 0.0 if self._trailing is None else self._trailing.kalman.clock_s
+
+    def start(self) -> None:
+        super().start()
+        self._arms_imu = dict(self._antennas_imu)
+        self._antennas_imu = _telling(self._arms_imu, self._arm_std_m)
+        self._restart()
 
     def feed(self, observations: Iterable[Observation | LidarIncrement]) -> None:
         """Run over a recording.
@@ -80,12 +89,12 @@ class FirstGuess(GnssImuFilter):
         return [*reversed(before[1:]), *self.states]
 
     def _keep_fix(self, fix: GnssFix) -> None:
-        if fix.antenna not in self._antennas_imu or not np.diag(fix.covariance_enu_m2).min() > 0:
+        if fix.antenna not in self._arms_imu or not np.diag(fix.covariance_enu_m2).min() > 0:
             return
         if self._datum is None:
             self._datum = fix.geodetic
         p_map = enu_from_geodetic(fix.geodetic, self._datum)
-        arm = self._antennas_imu[fix.antenna]
+        arm = self._arms_imu[fix.antenna]
         self.fixes.append(Fix(fix.stamp_s, fix.antenna, arm, p_map, fix.covariance_enu_m2))
 
     def _add_cabin_sample(self, sample: ImuSample) -> None:
@@ -104,6 +113,18 @@ class FirstGuess(GnssImuFilter):
         state = self._trailing.kalman.state
         if not self.states or state.stamp_s > self.states[-1].stamp_s:
             self.states.append(state)
+
+
+def _telling(arms_imu: Mapping[str, Float], arm_std_m: float) -> Mapping[str, Float]:
+    """Return the antennas that the filter may use: one, if two are too close to tell the heading.
+
+    Errors of declared arms are the same in all fixes, so that a filter that takes them for noise
+    is certain of a wrong heading after a while.
+    """
+    apart_m = max((np.linalg.norm(a - b) for a, b in combinations(arms_imu.values(), 2)), default=0)
+    if _SIGMAS * np.sqrt(2.0) * arm_std_m < _BASIN_RAD * apart_m:
+        return arms_imu
+    return dict(list(arms_imu.items())[:1])
 
 
 def _undone(

@@ -46,7 +46,12 @@ _UNDETERMINED = (
     "calibration: the fixes do not determine the motion; record some minutes with an antenna that "
     "sees the sky, and turns, starts and halts"
 )
-_LEAST_SCALE = 0.01  # of a declared covariance: a standard deviation ten times too large
+_UNFITTING = (
+    "calibration: no motion was found that the fixes fit: they err {times:.0f} times as much as "
+    "they declare; check their covariance and whether the declared lever arms are right within "
+    "'arm_std_m' ({arm_std_m:g} m)"
+)
+_LEAST_SCALE, _LARGEST_SCALE = 0.01, 100.0  # of a declared covariance: ten times the deviation
 
 
 class KeyframeBatch(Calibrator):
@@ -92,7 +97,7 @@ class KeyframeBatch(Calibrator):
         """Set the problem up and solve it until clocks and scales stay where they are.
 
         Raises:
-            DataError: If the fixes do not determine the motion.
+            DataError: If the fixes do not determine the motion, or fit none.
         """
         settings = self._settings
         arms = {fix.antenna: fix.arm_imu for fix in guess.fixes}
@@ -103,6 +108,10 @@ class KeyframeBatch(Calibrator):
             fixes = list(self._thinned(guess.fixes, keyframes))
             solved = _settled(fixes, states, guess.samples, noise, unknowns)
             unknowns, states = _rescaled(solved), solved.states
+        scale = max(one.scale for one in unknowns.receivers)
+        if scale > _LARGEST_SCALE:
+            times, arm_std_m = float(np.sqrt(scale)), settings.arm_std_m
+            raise DataError(_UNFITTING.format(times=times, arm_std_m=arm_std_m))
         return solved
 
     def _thinned(self, fixes: Sequence[Fix], keyframes: int) -> Iterator[Fix]:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from executive_plugins.estimation.calibration.first_guess import FirstGuess
+from executive_plugins.estimation.calibration.first_guess import FirstGuess, _telling
 from executive_plugins.estimation.calibration.settings import KeyframeBatchSettings
 from executive_plugins.estimation.filters.gnss_imu_filter import GnssImuFilter
 from executive_plugins.estimation.inertial.state import Inertial, InertialState, propagate
@@ -43,6 +43,22 @@ def fed(monkeypatch: pytest.MonkeyPatch) -> list[GnssFix]:
     given: list[GnssFix] = []
     monkeypatch.setattr(GnssImuFilter, "add_gnss", lambda own, one: given.append(one))
     return given
+
+
+@pytest.mark.parametrize(("apart_m", "used"), [(0.79, ["left"]), (0.83, ["left", "right"])])
+def test_antennas_tell_the_heading_if_their_arms_may_not_turn_it_round(apart_m, used) -> None:
+    """Three deviations of both arms, 1.27 m across, turn 0.81 m by a quarter of a turn [rad]."""
+    arms = {"left": np.array([1.0, 0.0, 2.0]), "right": np.array([1.0, -apart_m, 2.0])}
+    assert list(_telling(arms, 0.3)) == used
+    assert _telling({"left": arms["left"]}, 0.3).keys() == {"left"}
+
+
+def test_fixes_of_antennas_that_are_close_are_kept_all_the_same(machine, fed) -> None:
+    guess = FirstGuess(KeyframeBatchSettings(datum=None, arm_std_m=10.0), machine)
+    guess.start()
+    feed(guess, fix(1.0), fix(1.0, antenna="gnss_right"))
+    assert [one.antenna for one in guess.fixes] == ["gnss_left", "gnss_right"]
+    assert list(guess._antennas_imu) == ["gnss_left"]
 
 
 def feed(guess: FirstGuess, *observations: object) -> None:

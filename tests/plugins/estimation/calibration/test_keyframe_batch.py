@@ -120,6 +120,14 @@ def test_fixes_that_determine_nothing_are_refused(problems) -> None:
         solve(EVERY_TENTH[:40])
 
 
+def test_fixes_that_fit_no_motion_are_refused(problems) -> None:
+    problems((0.0, 101.0), (0.0, 1.0))
+    with pytest.raises(DataError, match=r"err 10 times .* lever arms are right within 'arm_std_m'"):
+        solve(EVERY_TENTH[:40])
+    problems((0.0, 99.0), (0.0, 1.0))
+    solve(EVERY_TENTH[:40])
+
+
 def test_antennas_of_one_receiver_share_most_stamps(problems) -> None:
     """Half of the stamps are not enough: two receivers may meet by chance."""
     given = problems((0.0, 1.0))
