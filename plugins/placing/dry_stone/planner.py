@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from itertools import islice
 from typing import Any, ClassVar
 
 import numpy as np
@@ -126,11 +125,14 @@ class DryStone(StructurePlanner):
         """Return the first places that the check holds, of those that were not checked yet."""
         targets: list[BuildTarget] = []
         s = self._settings.check
-        order = CheckOrder(search.unchecked(ranked), search.failed, s.doubt)
-        for place in islice(order, s.tries):
-            if not search.may_go_on() or len(targets) >= self._settings.targets:
+        order, spent = CheckOrder(search.unchecked(ranked), search.failed, s.doubt), 0.0
+        for place in order:
+            is_enough = spent >= s.tries or len(targets) >= self._settings.targets
+            if is_enough or not search.may_go_on():
                 break
             found = self._check.check(place, search.built, search.rng, search.may_go_on)
+            # A stone that tilts is let go once, and not under noise as well.
+            spent += 1 / (1 + s.samples) if found.refusal == "tilts" else 1
             search.checked.add(key_of(place))
             if found.refusal:
                 search.refused[found.refusal] += 1

@@ -124,7 +124,9 @@ class CheckSettings(Settings):
         "settled must stay; 0 leaves this out."))  # fmt: skip
     reseated: Meters = Field(0.01, gt=0, le=0.5, description=(
         "Largest distance by which it may move there [m]: what a wall may drift."))  # fmt: skip
-    tries: int = Field(100, ge=1, description="Places of each lot of stones that are checked.")
+    tries: int = Field(100, ge=1, description=(
+        "Places of each lot of stones that are checked; one that is refused as `tilts` counts as "
+        "one release of all."))  # fmt: skip
     doubt: float = Field(1.0, ge=0, description=(
         "Taken off the score of places near one where a stone did not hold (0.25 m, one standard "
         "deviation), as much as a term of the score is worth; 0 checks by the score alone."

@@ -321,3 +321,19 @@ def test_a_stone_whose_mass_and_centre_lie_shows_it_when_it_settles(
     settled = RigidStones().place(alone, true, T @ pose(t=off), (0.0, 0.0), rng()).poses[-1]
     far_m, far_rad = apart(T, settled @ pose(t=-off))
     assert (far_m < 0.10 and far_rad < np.radians(10.0)) == is_right
+
+
+@pytest.mark.parametrize(("refusal", "most"), [("slides_away", 2), ("tilts", 18)])
+def test_a_stone_that_tilts_costs_one_release_of_a_check(
+    monkeypatch: pytest.MonkeyPatch, refusal: str, most: int
+) -> None:
+    """Two checks are two times a release and eight under noise; one round of places is tried."""
+    one, seen = planner(check={"part": "none", "tries": 2, "samples": 8}), []
+
+    def refuse(place, built, rng, may_go_on):
+        seen.append(place)
+        return Stability(refusal, place.T_map_stone, 0.0, 0.0, {})
+
+    monkeypatch.setattr(one._check, "check", refuse)
+    monkeypatch.setattr(one, "_rounds", lambda: [(one._generator, 5)])
+    assert one.propose(bare(), boxes(), rng()).refused[refusal] == len(seen) == most
