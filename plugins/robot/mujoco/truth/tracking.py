@@ -88,10 +88,12 @@ class Tracking:
         bases = self._bases(stone, events)
         releases = [i for i, event in enumerate(events) if event.kind == "release"]
         for number, i in enumerate(releases):
-            last = releases[number + 1] if number + 1 < len(releases) else len(events)
             base = max(n for n in bases if n <= i)
             T_stone_object = self._T_stone_object(stone, events[base])
-            last = min((last, *(n for n in bases if n > i)))  # then it is another model's pose
+            # Later it is corrected in the jaws, or it is another model's pose.
+            later = range(i + 1, len(events))
+            ends = (n for n in later if n in bases or events[n].kind in ("grasp", "release"))
+            last = next(ends, len(events))
             realigned = next((e for e in events[i:last] if e.kind == "realign"), None)
             settled_m, settled_rad = self._error(stone, T_stone_object, events[i])
             error_m, error_rad = self._error(stone, T_stone_object, realigned or events[i])

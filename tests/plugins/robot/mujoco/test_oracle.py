@@ -222,6 +222,17 @@ def test_a_release_without_realignment_keeps_the_error_of_the_gripper_s_motion()
     assert entries[0]["error_m"] == entries[0]["settled_error_m"]
 
 
+def test_what_is_corrected_in_the_jaws_is_no_realignment_of_the_release_before() -> None:
+    show = Show()
+    T_found = pose(t=position(show, "stone_1"))
+    T_lifted = pose(t=T_found[:3, 3] + np.array([0.0, 0.0, 1.2]))
+    first = events_of(show, T_found, grasp=T_found, release=T_found)
+    again = events_of(show, T_found, grasp=T_found, realign=T_lifted)[1:]
+    (entry,) = show.truth(histories={1: [*first, *again]})["realignments"]
+    assert entry["was_realigned"] is False
+    assert entry["error_m"] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_counts_stones_that_are_known_known_twice_or_none_at_all() -> None:
     show = Show()
     near = pose(t=position(show, "stone_1") + np.array([0.3, 0.0, 0.0]))
