@@ -51,7 +51,10 @@ _UNFITTING = (
     "they declare; check their covariance and whether the declared lever arms are right within "
     "'arm_std_m' ({arm_std_m:g} m)"
 )
-_LEAST_SCALE, _LARGEST_SCALE = 0.01, 100.0  # of a declared covariance: ten times the deviation
+_LEAST_SCALE = 0.01  # of a declared covariance: a standard deviation ten times too large
+# A receiver that declares a centimetre errs by a metre where it has no fixed solution: a hundred
+# deviations. What fits worse is no motion of the antennas.
+_LARGEST_SCALE = 1e4
 
 
 class KeyframeBatch(Calibrator):

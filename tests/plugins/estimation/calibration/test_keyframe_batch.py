@@ -121,10 +121,10 @@ def test_fixes_that_determine_nothing_are_refused(problems) -> None:
 
 
 def test_fixes_that_fit_no_motion_are_refused(problems) -> None:
-    problems((0.0, 101.0), (0.0, 1.0))
-    with pytest.raises(DataError, match=r"err 10 times .* lever arms are right within 'arm_std_m'"):
+    problems((0.0, 10_100.0), (0.0, 1.0))
+    with pytest.raises(DataError, match=r"err 100 times .* right within 'arm_std_m'"):
         solve(EVERY_TENTH[:40])
-    problems((0.0, 99.0), (0.0, 1.0))
+    problems((0.0, 9_900.0), (0.0, 1.0))
     solve(EVERY_TENTH[:40])
 
 
