@@ -48,9 +48,11 @@ class DrivePressure:
     payload's weight at as much as half the width of the open jaws from the grasp centre. A drive
     that needs no more than this moment is not judged: those of the wrist never are. Within half a
     metre of the lower end of a path, jaws that press on a stone may drag it over the ground, or
-    pull at one that is wedged there, by what friction holds of the payload's weight. The ground may
-    also carry the arm. Then the other drives do not measure what the measured motion needs, within
-    the factor of two, and nothing is judged.
+    pull at one that is wedged there, by what friction holds of the payload's weight. They may also
+    be pushed up by one whose faces widen downwards, which relieves the boom alone: there a drive is
+    told only if its joint moves as it does without an effort. The ground may also carry the arm.
+    Then the other drives do not measure what the measured motion needs, within the factor of two,
+    and nothing is judged.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -134,8 +136,11 @@ class DrivePressure:
             is_lost = is_none & (self._directions(needs, moments) != 0)
             if not is_lost.any():
                 return {}
-        if self._is_carried(measured, is_none, self._needs([motion], up_base), moments):
+        moving = self._needs([motion], up_base)
+        if self._is_carried(measured, is_none, moving, moments):
             return {}
+        if drags:
+            is_lost &= self._directions(moving, moments) == 0
         least = np.abs(needs).min(axis=0)
         return {int(i): float(least[i]) for i in np.flatnonzero(is_lost)}
 

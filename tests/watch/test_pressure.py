@@ -44,17 +44,24 @@ def sample(
     noise=0.0,
     carried=(),
     pressing=0.0,
+    falls=("", np.inf),
 ):
     """Return what a machine measures that is on its path; lost drives have no effort.
 
-    Carried ones measure another share of what they need: the ground carries the gripper.
+    Carried ones measure another share of what they need: the ground carries the gripper. A joint
+    that falls since a time is as fast as its drive without effort lets it be.
     """
     q, dq = path.at(stamp_s - BEGAN_S)
     ddq = acceleration * (np.arange(len(ARM)) == TURN)
     efforts = DYNAMICS.efforts(q, dq, ddq, up, load_kg)
-    efforts[[ARM.index(name) for name in lost]] = 0.0
-    for name, share in carried:
-        efforts[ARM.index(name)] *= share
+    name, since_s = falls
+    if stamp_s > since_s:
+        joint = (np.array(ARM) == name).astype(float)
+        inertia = DYNAMICS.efforts(q, dq, ddq + joint, up, load_kg) - efforts
+        dq = dq - joint * (efforts @ joint) / (inertia @ joint) * (stamp_s - since_s)
+    efforts[[ARM.index(one) for one in lost]] = 0.0
+    for one, share in carried:
+        efforts[ARM.index(one)] *= share
     efforts = efforts + noise * NOISE * LIMITS
     jaw_nm = -pressing * MACHINE.gripper.tip_force_n * MACHINE.gripper.tip_radius_m
     joints = [*zip(q, dq, efforts, strict=True), (0.5, 0.0, jaw_nm)]
@@ -147,6 +154,16 @@ def test_a_stone_that_the_ground_holds_back_relieves_the_dipper_at_the_foot_of_a
     else:
         assert not any(is_told[:20])
         assert any(is_told[40:])
+
+
+def test_jaws_that_a_stone_pushes_up_relieve_the_boom_and_do_not_hide_that_it_falls():
+    """In 26134003 of `relocate` they slid up on a stone that widens towards the ground."""
+    pushed = {"lost": ("J_BOOM",), "pressing": 1.0, "acceleration": 0.0}
+    assert not any(Watched(raised(0.05)).all(**pushed))
+    assert any(Watched(raised(0.05)).all(**pushed | {"pressing": 0.0}))
+    fallen = Watched(raised(0.05))
+    assert not any(fallen.ticks(20, pressing=1.0, acceleration=0.0))
+    assert any(fallen.ticks(2 * LOOKS, falls=("J_BOOM", fallen.stamp_s), **pushed))
 
 
 @pytest.mark.parametrize("name", ["J_EE_PITCH", "J_EE_ROLL", "J_EE_YAW"])
