@@ -17,9 +17,9 @@ from executive.messages.weight import Weight
 WINDOW_S = 0.1  # two windows in a row show a fall well within half a second
 _SURE = 5.0  # standard deviations from which a mean is more than noise
 _FORCE_STD = 0.05  # of the force, as a share; the servo of the jaws varies by less
-# After a downward motion the ground may carry the stone for so long: what is set down has come to
-# rest within half a second, as the drives have. A stone that slides out of the jaws later has not.
-_STOOD_S = 0.5
+# After a downward motion the ground may carry the stone for so long: what stands with a half of its
+# weight on the arm may leave it within that time.
+_STOOD_S = 3.0
 _PRESSING = -0.2  # share of the weight below which the arm may be pressed on the ground
 _STANDS = 0.5  # share of the weight below which the ground carries it
 

@@ -83,7 +83,7 @@ def test_a_stone_that_is_lowered_hangs_until_the_ground_takes_over(watch, machin
     assert max(one for one in told if one is not None) < 0.95
 
 
-@pytest.mark.parametrize(("late_s", "is_lost"), [(0.1, False), (1.5, True)])
+@pytest.mark.parametrize(("late_s", "is_lost"), [(0.1, False), (1.5, False), (3.2, True)])
 def test_what_leaves_the_jaws_long_after_they_sank_has_fallen(watch, late_s, is_lost) -> None:
     """The jaws press on for some tenths of a second on a stone that slides out of them."""
     carry, sunk_s = lowered(), 8.0
