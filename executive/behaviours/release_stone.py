@@ -23,7 +23,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
-from executive.machine.jaw_clearance import RELEASE_RAD, angle_beside, angle_free_of
+from executive.machine.jaw_clearance import RELEASE_RAD, ROOM_M, angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.stone import Stone, StoneState
@@ -45,7 +45,7 @@ class ReleaseStoneSettings(Settings):
         "[rad]; 7 cm at each of the M545's tips.",
     )
     room: Meters = Field(
-        0.05,
+        ROOM_M,
         ge=0,
         le=0.5,
         description="Room between each tip and the stone on the way up, and between the jaws and "

@@ -16,7 +16,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.way_up import risen_m, way_up
-from executive.leaf.weighing import LEAST_SHARE, hanging, least_kg
+from executive.leaf.weighing import LEAST_SHARE, SURE, hanging, least_kg
 from executive.messages.hold import Hold
 from executive.messages.stone import Stone
 from executive.messages.weight import Weight
@@ -25,7 +25,6 @@ from executive.messages.weight import Weight
 # the load on, so the second one hardly sinks; a third is for a stone that the ground has borne
 # until then. What holds back a machine that cannot sink is the stone, and it is not pulled again.
 _LIFTS, _SUNK = 3, 0.25  # most lifts; share of the height that may be missing
-_SURE = 2.0  # standard deviations from which less than nothing hangs in the jaws
 
 
 class TrialLiftSettings(Settings):
@@ -121,7 +120,7 @@ class TrialLift(Action[TrialLiftSettings]):
 
 def _borne(weight: Weight, stone: Stone, up_m: float) -> str:
     """Say how the ground still carries a stone of which less hangs than it weighs."""
-    if weight.mass_kg < -_SURE * weight.std_kg:
+    if weight.mass_kg < -SURE * weight.std_kg:
         return (
             f"stone {stone.id} stands on the ground, and the jaws that close on it are pushed up "
             f"by the weight of {-weight.mass_kg:.0f} kg, {up_m:.2f} m above the grasp"

@@ -18,7 +18,7 @@ LEAST_SHARE = 0.67
 # Standard deviation of that share among the stones of one site: 5 % by form, 4 % in volume, 2.5 %
 # in density; and for how many stones it counts, as the spread of a few says little.
 _ONE_SITE, _ONE_SITE_STONES = 0.07, 4
-_SURE = 2.0  # standard deviations of a weight
+SURE = 2.0  # standard deviations of a weight
 # Where the stone is in the jaws leaves 3 % of its mass open; a sway that leaves half of that open
 # adds a tenth to it. Nothing is known of a sway that is slower than the slowest one.
 _KNOWN, _LONGEST_S = 0.015, float(PERIODS_S[-1])
@@ -64,7 +64,7 @@ def hanging(
         if not told:
             return None
         weight = Weight(*level(*np.array(told).T))
-        is_sure = abs(weight.mass_kg - least_kg) > _SURE * weight.std_kg
+        is_sure = abs(weight.mass_kg - least_kg) > SURE * weight.std_kg
         if is_sure or weight.std_kg < _KNOWN * least_kg or now_s - began_s >= _LONGEST_S:
             return weight
 
@@ -83,7 +83,7 @@ def least_kg(stone: Stone, stones: Sequence[Stone], share: float = LEAST_SHARE) 
         share: The share while none was weighed.
     """
     if stone.weight is not None:
-        return stone.mass_kg - _SURE * float(np.sqrt(2)) * stone.weight.std_kg
+        return stone.mass_kg - SURE * float(np.sqrt(2)) * stone.weight.std_kg
     weighed = [one for one in stones if one.weight is not None and one.state is StoneState.PLACED]
     if weighed:
         share = _least_of_next([one.mass_kg / one.mass_by_volume_kg for one in weighed])
@@ -98,4 +98,4 @@ def _least_of_next(shares: Sequence[float]) -> float:
     known, n = np.minimum(shares, 1.0), len(shares)
     about = ((known - known.mean()) ** 2).sum()
     variance = (_ONE_SITE_STONES * _ONE_SITE**2 + about) / (_ONE_SITE_STONES + n - 1)
-    return float(known.mean() - _SURE * np.sqrt(variance * (1 + 1 / n)))
+    return float(known.mean() - SURE * np.sqrt(variance * (1 + 1 / n)))

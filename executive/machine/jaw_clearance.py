@@ -10,6 +10,9 @@ from executive.machine.gripper import Gripper
 # By which jaws open at a place that has room for them. At the M545's tips it is 15 cm: half of it
 # lets the stone go (`ReleaseStone`), the other half is 2.5 standard deviations of a release.
 RELEASE_RAD = 0.12
+# Room of opening jaws beside other stones: of the errors of their poses, and of the surfaces that
+# were seen.
+ROOM_M = 0.05
 _APART_M = 0.05  # of points on the jaws: a cell of the height maps
 _STEP_RAD = 0.02  # 4 cm at the tips of the M545's gripper
 

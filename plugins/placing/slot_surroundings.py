@@ -11,16 +11,13 @@ from executive.geometry.polygon import Box, contains, rectangle
 from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
-from executive.machine.jaw_clearance import release_angles
+from executive.machine.jaw_clearance import ROOM_M, release_angles
 from executive.messages.placement import Slot
 
 _IN_GROUND_M = 0.02  # a ground point deeper than this in the gripper is a collision
 _LEVEL_M = 0.15  # points higher than this above the ground belong to neighbours
 # Least distance of a neighbour from the stone and the jaws; its far side may not have been seen.
 _APART_M = 0.10
-# Room of the jaws beside neighbours on which a stone is to rest: of the errors of their poses and
-# of the surfaces that were seen, as `room` of `ReleaseStone`.
-_ROOM_M = 0.05
 _GROUND_BAND_M = 0.35  # ground under the stone is at most this far from the slot's height
 _HIGHEST = 0.95  # quantile of the ground heights on which the stone comes to lie
 _INNER = 0.8  # share of the stone's width under which ground carries it
@@ -111,7 +108,7 @@ class SlotSurroundings:
         if self._lowered_m is None:
             apart_m, neighbours, opened = self._apart_m, self._neighbours, angles
         else:
-            apart_m, opened = max(self._apart_m, _ROOM_M), angles[:2]
+            apart_m, opened = max(self._apart_m, ROOM_M), angles[:2]
             neighbours = self._neighbours + (0.0, 0.0, self._lowered_m)
         if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False

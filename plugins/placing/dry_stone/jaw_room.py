@@ -6,8 +6,7 @@ import numpy as np
 from executive_plugins.placing.dry_stone.rasters import WallTop
 
 from executive.arrays import Bool, Float, Int
-
-_ROOM_M = 0.05  # above stones that stand: of the errors of their poses, as `slots` asks for
+from executive.machine.jaw_clearance import ROOM_M
 
 
 def has_room(wall: WallTop, nodes: Int, heights_m: Float, jaws: Sequence[Float], R: Float) -> Bool:
@@ -29,7 +28,7 @@ def has_room(wall: WallTop, nodes: Int, heights_m: Float, jaws: Sequence[Float],
         at = nodes[left, None] + cells
         is_over: Bool = np.all((at >= 0) & (at < wall.top.shape), axis=2)
         i, j = np.where(is_over[..., None], at, 0).transpose(2, 0, 1)
-        meets = wall.top[i, j] > heights_m[left, None] + under_m - _ROOM_M
+        meets = wall.top[i, j] > heights_m[left, None] + under_m - ROOM_M
         is_free[left] = ~(meets & is_over & (wall.owner[i, j] >= 0)).any(axis=1)
     return is_free
 
