@@ -62,6 +62,12 @@ class Gripper(Sourced):
     open_rad: float = Field(gt=0, lt=math.pi, description="Angle of the widest opening [rad].")
     tip_force_n: float = Field(gt=0, description="Largest force at each tip [N].")
     grasp_centre_m: Vec3 = Field(description="Where a stone's centre sits between the jaws [m].")
+    digs_m: float = Field(
+        0.0,
+        ge=0,
+        le=0.5,
+        description="How far the tips may be pressed into the soil beside a stone [m].",
+    )
 
     @property
     def jaw_width_m(self) -> float:

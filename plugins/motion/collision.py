@@ -36,7 +36,7 @@ class CollisionCheck:
     The chassis is not checked against the surroundings, since it is in contact with them. A body
     may penetrate stones and ground by a tolerance, since maps are noisy and a stone rests on the
     ground. Points that are inside a body in the first posture (`start`) are ignored, since the
-    machine is there already.
+    machine is there already. The jaws may go as much deeper into the ground as they dig.
     """
 
     def __init__(
@@ -58,7 +58,9 @@ class CollisionCheck:
         frames = link_frames(self._machine, start[None], jaw_rad)
         low, sunk_m = self._survey(frames)
         self._excused = self._inside(frames, low)
-        self._allowed_sinking_m = np.maximum(tolerance_m, sunk_m[0] + _NOISE_M)
+        gripper = self._machine.gripper
+        digs_m = np.array([gripper.digs_m * (one.link in gripper.links) for one in self._bodies])
+        self._allowed_sinking_m = np.maximum(tolerance_m + digs_m, sunk_m[0] + _NOISE_M)
 
     def first_hit(self, q: Float) -> Hit | None:
         """Return the first collision along postures (K, n), or None."""

@@ -96,6 +96,7 @@ class SlotSurroundings:
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
         """Return whether stone and opening jaws clear the neighbours, and the jaws the ground.
 
+        The jaws may be in the ground as far as they dig, but for places on other stones.
         The jaws open as far as they do to let this stone go (`ReleaseStone`), not as they can.
         Beside stones on which it is to rest they open by half of that where there is no more room,
         and are where it rests by then.
@@ -112,7 +113,9 @@ class SlotSurroundings:
             neighbours = self._neighbours + (0.0, 0.0, self._lowered_m)
         if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False
-        return self._depth_m(transform(T_gripper_map, self._ground), angles) < _IN_GROUND_M
+        digs_m = self._gripper.digs_m if self._lowered_m is None else 0.0
+        ground = self._ground - (0.0, 0.0, digs_m)
+        return self._depth_m(transform(T_gripper_map, ground), angles) < _IN_GROUND_M
 
     def _depth_m(self, points_gripper: Float, angles: Float) -> float:
         """Return the largest depth of a point in the gripper at any of the jaws' angles [m].

@@ -31,6 +31,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--stones", type=count, default=60, help="generated ones (default: 60)")
     parser.add_argument("--seed", type=int, default=1, help="seed of stones, views and lifts")
     parser.add_argument("--sites", type=Path, nargs="+", default=[], help="folders of runs")
+    parser.add_argument("--soil", type=float, help="how far tips go into soil [m] (default: 0.1)")
     given = parser.parse_args(words)
     for folder in given.sites:
         if not (folder / "objects.sqlite").is_file():
@@ -39,7 +40,7 @@ def main(words: Sequence[str] | None = None) -> int:
     from trials.grasp_calibration import measured
 
     with refused(parser):
-        return verdict(measured(given.weights, given.world, given.stones, given.seed, given.sites))
+        return verdict(measured(**vars(given)))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ _FOOT_M = 0.15  # largest height of a stone's foot that segmentation classified 
 _REACH_M = 0.10  # largest distance of such a foot from the known points of the stone
 _SLAB_M, _YAWS = 0.1, 90  # half height of the slab, and number of directions, for the width
 _LEVEL_M = 0.03  # points lower than this above the ground belong to the ground
+_SOIL_M = 0.06  # the same of points that are soil: twice that, since rough ground is no plane
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,9 +91,12 @@ def build_planning_cloud(
     spacing_m: float,
     rng: np.random.Generator,
     scale: float = 1.0,
+    into_soil_m: float = 0.0,
 ) -> PlanningCloud:
     """Crop the map around a stone, merge the stone's model, thin, and complete the ground.
 
+    The tips of the jaws go into soil: its points lie as much lower, so that what is planned on the
+    cloud may. Neighbours stay where they are.
 
     Args:
         stone_map: Best known surface of the stone, merged from lidar, drone and earlier views [m],
@@ -103,6 +107,7 @@ def build_planning_cloud(
         spacing_m: Point spacing of the result.
         rng: Random generator of the ground's RANSAC.
         scale: Factor on the lengths of this file, see `SamplingSettings`.
+        into_soil_m: How far the tips may go below the ground.
 
     Raises:
         DataError: If the stone's points span no volume.
@@ -124,6 +129,8 @@ def build_planning_cloud(
         np.concatenate([around, fill_ground(ground, stone, low[:2], high[:2], spacing_m)]),
         spacing_m,
     )
+    is_soil = np.abs(others[:, 2] - ground.height(others[:, :2])) < scale * _SOIL_M
+    others[is_soil, 2] -= into_soil_m
     return _planning_cloud(T_map_plan, stone, others, ground, scale)
 
 

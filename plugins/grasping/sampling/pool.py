@@ -84,8 +84,10 @@ class Sampler:
         """Build the planning cloud of a stone, with a margin as wide as the gripper (Sec. 5.2)."""
         scale = self._settings.scale
         margin_m = -float(self._field().origin[1])  # half the width of the open gripper
+        spacing_m, given_m = scale * self._settings.spacing_m, self._settings.into_soil_m
+        into_soil_m = self._gripper.digs_m if given_m is None else scale * given_m
         return build_planning_cloud(
-            stone_map, cloud_map, margin_m, scale * self._settings.spacing_m, rng, scale
+            stone_map, cloud_map, margin_m, spacing_m, rng, scale, into_soil_m
         )
 
     def pool(self, scene: PlanningCloud, rng: np.random.Generator) -> Pool:

@@ -43,4 +43,11 @@ class SamplingSettings(PluginSettings):
     tips_below_centre_m: Meters = Field(
         0.02, ge=-1, le=1, description="How far the tips close below the stone's centre [m]."
     )
+    into_soil_m: Meters | None = Field(
+        None,
+        ge=0,
+        le=0.5,
+        description="How far the tips may go below the ground beside the stone [m]: by default as "
+        "far as the gripper digs (`digs_m` of robot.yaml); 0 on rock or concrete.",
+    )
     density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")

@@ -19,6 +19,7 @@ from executive_plugins.robot.mujoco.physics import apply_physics
 from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
 from executive_plugins.robot.mujoco.site.person import Walk
 from executive_plugins.robot.mujoco.site.site import Site
+from executive_plugins.robot.mujoco.site.terrain import let_dig
 from executive_plugins.robot.trajectory_follower import Follower, KeptPath
 
 from executive.arrays import Float
@@ -305,6 +306,8 @@ class World:
         if on_wheels:
             set_on_wheels(spec, self.machine)
         self.site.add_to(spec)
+        for jaw in self.machine.gripper.links:
+            let_dig(spec.body(jaw))
         apply_physics(spec, settings, self._contact)
         if legs is not None:
             set_footing(spec, self.machine, settings.replaced(self._contact).soil)

@@ -48,10 +48,12 @@ class OneStone:
 class Trial:
     """Networks beside each other in one scenario."""
 
-    def __init__(self, weights: Sequence[str], world: Scenario, seed: int) -> None:
+    def __init__(
+        self, weights: Sequence[str], world: Scenario, seed: int, soil_m: float | None = None
+    ) -> None:
         self._weights, self._world, self._seed = weights, world, seed
-        self._sampler = Sampler(SamplingSettings(), MACHINE.gripper)
-        self._settings = SampledCnnSettings(physics=world)
+        self._sampler = Sampler(SamplingSettings(into_soil_m=soil_m), MACHINE.gripper)
+        self._settings = SampledCnnSettings(physics=world, into_soil_m=soil_m)
 
     @cached_property
     def _planners(self) -> dict[str, SampledCnn]:
@@ -199,10 +201,15 @@ def _points(rates: Float) -> str:
 
 
 def measured(
-    weights: Sequence[str], world: Scenario, stones: int, seed: int, sites: Sequence[Path]
+    weights: Sequence[str],
+    world: Scenario,
+    stones: int,
+    seed: int,
+    sites: Sequence[Path],
+    soil: float | None = None,
 ) -> list[Figure]:
     """Compare networks on surveyed sites, or on generated stones if there are none."""
-    trial = Trial(weights, world, seed)
+    trial = Trial(weights, world, seed, soil)
     seen = as_surveyed(sites) if sites else as_trained(stones, seed)
     made = [trial.of_stone(i, one) for i, one in enumerate(seen)]
     return list(report([one for one in made if one is not None], weights))

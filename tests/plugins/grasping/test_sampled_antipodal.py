@@ -124,17 +124,25 @@ def test_a_neighbour_at_0_3_m_is_avoided(
         ((0.6, 0.6, 0.08), "tips_too_high"),
     ],
 )
-def test_what_cannot_be_held_gives_an_empty_plan_with_its_reason(
-    planner: SampledAntipodal,
+def test_what_cannot_be_held_on_rock_gives_an_empty_plan_with_its_reason(
+    planner_of: Callable,
     make_box: Callable,
     make_field: Callable,
     see: Callable,
     sides_m: tuple,
     reason: str,
 ) -> None:
+    planner = planner_of(into_soil_m=0.0)
     refused = plan(planner, see(make_box(sides_m, 0.03), make_field()))
     assert refused.grasps == ()
     assert refused.refused[reason] > 0
+
+
+def test_a_slab_that_lies_on_soil_is_held_by_tips_below_it(
+    planner: SampledAntipodal, make_box: Callable, make_field: Callable, see: Callable
+) -> None:
+    slab = see(make_box((0.6, 0.6, 0.08), 0.03), make_field())
+    assert plan(planner, slab).grasps
 
 
 def test_a_stone_out_of_reach_is_refused_as_such(planner_of: Callable, scene: tuple) -> None:

@@ -39,6 +39,16 @@ def lowest_m(machine: Machine, q: Float) -> float:
     return float(transform(Kinematics(machine).gripper(q), corners)[:, 2].min())
 
 
+def test_jaws_go_as_deep_into_the_ground_as_they_dig_and_no_deeper(machine: Machine) -> None:
+    carry, elsewhere = machine.posture("carry"), machine.posture("scan")
+    elsewhere[0] = np.pi
+    deepest_m = TOLERANCE_M + machine.gripper.digs_m
+    for deep_m, hits in ((deepest_m - 0.02, False), (deepest_m + 0.02, True)):
+        ground = level(lowest_m(machine, carry) + deep_m)
+        hit = check(machine, ground, elsewhere).first_hit(carry[None])
+        assert (hit is not None) is hits
+
+
 def ball(centre: Float, radius_m: float) -> Float:
     directions = np.random.default_rng(1).normal(size=(2000, 3))
     return np.asarray(centre + radius_m * directions / np.linalg.norm(directions, axis=1)[:, None])
@@ -51,7 +61,7 @@ def test_ground_just_below_the_tips_is_free_and_ground_above_them_is_a_hit(
     elsewhere = machine.posture("scan")
     elsewhere[0] = np.pi
     below = check(machine, level(lowest_m(machine, carry) - 0.05), elsewhere)
-    above = check(machine, level(lowest_m(machine, carry) + 0.15), elsewhere)
+    above = check(machine, level(lowest_m(machine, carry) + 0.25), elsewhere)
     assert below.first_hit(carry[None]) is None
     hit = above.first_hit(np.array([carry]))
     assert hit is not None

@@ -59,6 +59,19 @@ def test_jaws_need_room_for_letting_go_and_not_for_all_of_their_opening(
     assert not around.is_free(T_MAP_GRIPPER, wide)
 
 
+def test_jaws_may_be_in_the_ground_as_far_as_they_dig(machine: Machine, site: tuple) -> None:
+    ground: Callable[..., Float] = site[1]
+    for deep_m, is_free in ((0.0, True), (0.1, True), (0.25, False)):
+        level = lowest(machine)[2] + deep_m
+        cloud = ground(4.0) + (0.0, 0.0, level)
+        around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.array([0, 0, level]), 0.5))
+        assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
+        # On other stones they may not.
+        posed = SlotFoot(np.array([0, 0, level]), 0.5, lowered_m=0.0)
+        on_stones = SlotSurroundings(machine.gripper, cloud, posed)
+        assert on_stones.is_free(T_MAP_GRIPPER, STONE) == (deep_m == 0.0)
+
+
 def test_the_stone_keeps_ten_centimetres_from_a_neighbour(machine: Machine, site: tuple) -> None:
     ground: Callable[..., Float] = site[1]
     neighbour = outermost(machine) + (0.0, 0.5, 0.0)

@@ -126,6 +126,13 @@ class TerrainSettings(Settings):
     uphill_rad: Radians = Field(
         0.0, ge=-3.2, le=3.2, description="Direction in which the ground rises, from x [rad]."
     )
+    loose_m: Meters = Field(
+        0.15,
+        ge=0,
+        le=0.5,
+        description="Depth of the loose soil, which the jaws' teeth pass [m]; 0 for rock or "
+        "concrete. Stones and the machine stand on it.",
+    )
 
 
 class ObstacleSettings(Settings):

@@ -10,7 +10,10 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 from executive.arrays import Float, Int, checked
 
 TERRAIN = "terrain"
+FIRM = "firm_ground"  # below the loose soil: only what digs meets it
+_DIGS = 2  # contact group of what digs, and of the firm ground
 _LEAST_ELEVATION_M = 1e-3  # MuJoCo requires a positive elevation, also of level ground
+_UNSEEN = 4  # a group of geometries that no picture shows
 _BEDROCK_M = 2.0  # thickness below the lowest point, so that nothing falls through
 
 
@@ -21,10 +24,12 @@ class Terrain:
     Attributes:
         coordinates_m: Rising x (and y) coordinates of the grid [m], shape (n,).
         heights_m: Height at (x[i], y[j]) [m], shape (n, n).
+        loose_m: Depth of the loose soil, which teeth pass [m].
     """
 
     coordinates_m: Float
     heights_m: Float
+    loose_m: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(
@@ -55,7 +60,10 @@ class Terrain:
         return np.c_[x.ravel(), y.ravel(), self.heights_m.ravel()], triangles
 
     def add_to(self, spec: mujoco.MjSpec) -> None:
-        """Add the height field to a world, as the geometry `terrain`."""
+        """Add the height field to a world, as the geometry `terrain`.
+
+        Where soil is loose, bodies that `dig` pass it and meet `firm_ground` below it.
+        """
         half, n = float(self.coordinates_m[-1]), len(self.coordinates_m)
         lowest = float(self.heights_m.min())
         elevation = max(float(np.ptp(self.heights_m)), _LEAST_ELEVATION_M)
@@ -66,13 +74,30 @@ class Terrain:
             size=[half, half, elevation, _BEDROCK_M],
             userdata=((self.heights_m - lowest) / elevation).T.ravel(),  # rows run along y
         )
-        spec.worldbody.add_geom(
+        surface = spec.worldbody.add_geom(
             name=TERRAIN,
             type=mujoco.mjtGeom.mjGEOM_HFIELD,
             hfieldname=TERRAIN,
             pos=[0.0, 0.0, lowest],
             rgba=[0.55, 0.47, 0.36, 1.0],
         )
+        if self.loose_m > 0:
+            surface.contype = 0  # it touches what touches group 1 by itself, which teeth do not
+            spec.worldbody.add_geom(
+                name=FIRM,
+                type=mujoco.mjtGeom.mjGEOM_HFIELD,
+                hfieldname=TERRAIN,
+                pos=[0.0, 0.0, lowest - self.loose_m],
+                contype=0,
+                conaffinity=_DIGS,
+                group=_UNSEEN,
+            )
+
+
+def let_dig(body: mujoco.MjsBody) -> None:
+    """Let a body pass loose soil; it touches all else as before."""
+    for geom in body.geoms:
+        geom.contype = _DIGS
 
 
 def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain:
@@ -89,7 +114,7 @@ def make_terrain(settings: TerrainSettings, rng: np.random.Generator) -> Terrain
     heights = settings.undulation_m * fade * waves + settings.roughness_m * fade * clods
     if settings.slope_rad > 0:
         heights += fade * _hillside(coordinates, settings.slope_rad, settings.uphill_rad)
-    return Terrain(coordinates, heights)
+    return Terrain(coordinates, heights, settings.loose_m)
 
 
 def _field(n: int, kernel_cells: float, rng: np.random.Generator) -> Float:

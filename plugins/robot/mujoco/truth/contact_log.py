@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from executive_plugins.robot.mujoco.site.person import PERSON
+from executive_plugins.robot.mujoco.site.terrain import FIRM, TERRAIN
 
 from executive.arrays import Float
 from executive.machine.machine import Machine
@@ -39,7 +40,8 @@ class ContactLog:
     def __init__(self, machine: Machine, stones: Sequence[str], model: mujoco.MjModel) -> None:
         self._names = {model.body(name).id: name for name in (*machine.links, *stones)}
         # Of the world itself, each geometry has a name of its own.
-        self._fixed = {int(i): model.geom(i).name for i in np.flatnonzero(model.geom_bodyid == 0)}
+        fixed = {int(i): model.geom(i).name for i in np.flatnonzero(model.geom_bodyid == 0)}
+        self._fixed = {i: TERRAIN if name == FIRM else name for i, name in fixed.items()}
         self._is_link = np.zeros(model.nbody, dtype=bool)
         self._is_link[[model.body(name).id for name in machine.links]] = True
         self._body_of_geom = model.geom_bodyid

@@ -13,8 +13,9 @@ SPACING_M = 0.05
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def build(stone: np.ndarray, cloud: np.ndarray) -> PlanningCloud:
-    return build_planning_cloud(stone, cloud, 1.3, SPACING_M, np.random.default_rng(0))
+def build(stone: np.ndarray, cloud: np.ndarray, into_soil_m: float = 0.0) -> PlanningCloud:
+    rng = np.random.default_rng(0)
+    return build_planning_cloud(stone, cloud, 1.3, SPACING_M, rng, into_soil_m=into_soil_m)
 
 
 def test_the_stone_keeps_its_volume_and_centre(make_box: Callable, make_field: Callable) -> None:
@@ -43,6 +44,20 @@ def test_a_neighbour_at_0_3_m_is_an_obstacle_and_none_of_the_stone(
     others = transform(scene.T_map_plan, scene.points[~scene.is_target])
     assert stone[:, 0].max() < 0.45
     assert (others[:, 2] > 0.3).any()
+
+
+def test_soil_lies_as_much_lower_as_the_tips_may_go_into_it_and_neighbours_do_not(
+    make_box: Callable, make_field: Callable
+) -> None:
+    box = make_box((0.8, 0.8, 0.6))
+    rough = make_field() + np.random.default_rng(1).normal(0.0, 0.01, (len(make_field()), 3))
+    cloud = np.concatenate([box, box + (1.1, 0.0, 0.0), rough])
+    hard, soft = build(box, cloud), build(box, cloud, into_soil_m=0.1)
+    np.testing.assert_array_equal(soft.stone, hard.stone)
+    lower_m = (hard.points - soft.points)[:, 2]
+    height_m = transform(hard.T_map_plan, hard.points)[:, 2]
+    assert lower_m[~hard.is_target & (np.abs(height_m) < 0.03)] == pytest.approx(0.1)
+    assert lower_m[~hard.is_target & (height_m > 0.1)] == pytest.approx(0.0)
 
 
 def test_the_foot_that_segmentation_left_belongs_to_the_stone(

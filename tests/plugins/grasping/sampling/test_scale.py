@@ -37,7 +37,7 @@ def scaled(value: Any, is_length: bool = False) -> Any:
     """Return a description with all its lengths scaled."""
     if isinstance(value, dict):
         return {
-            key: scaled(item, is_length or key in LENGTHS | {"grasp_centre_m"})
+            key: scaled(item, is_length or key in LENGTHS | {"grasp_centre_m", "digs_m"})
             for key, item in value.items()
         }
     if isinstance(value, (list, tuple)):

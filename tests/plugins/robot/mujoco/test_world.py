@@ -29,8 +29,9 @@ BLOCK_M = (1.1, 0.84, 0.8)  # 2 t at 2,700 kg/m³
 
 
 def level_world(machine: Machine, stones: Sequence[tuple[np.ndarray, np.ndarray]] = ()) -> World:
-    """Make a world of level ground and boxes: their sides [m] and their poses."""
-    terrain = make_terrain(TerrainSettings(undulation_m=0, roughness_m=0), np.random.default_rng(0))
+    """Make a world of level rock and boxes: their sides [m] and their poses."""
+    level = TerrainSettings(undulation_m=0, roughness_m=0, loose_m=0)
+    terrain = make_terrain(level, np.random.default_rng(0))
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     models = [
         StoneModel.from_skin(f"stone_{i}", hull_mesh(corners * sides), 2700.0)
