@@ -1,9 +1,13 @@
 """Lift a held stone by a little, and weigh whether the grip bears."""
 
+from collections.abc import Generator
+from typing import Any
+
 from pydantic import Field
 
 from executive.config import Meters, Seconds, Settings
 from executive.events.stone import StoneNotLifted
+from executive.geometry.pose import inverse, transform
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.motion import MotionPlanner
@@ -12,11 +16,14 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.follow import follow
+from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
+from executive.leaf.surroundings import held_surface, surroundings
 from executive.leaf.way_up import risen_m, way_up
 from executive.leaf.weighing import LEAST_SHARE, SURE, hanging, least_kg
+from executive.messages.ground_below import GroundBelow
 from executive.messages.hold import Hold
 from executive.messages.stone import Stone
 from executive.messages.weight import Weight
@@ -115,7 +122,17 @@ class TrialLift(Action[TrialLiftSettings]):
         if not lifted.success:
             return lifted
         self.context.begin_carry()
+        self.context.carry_over((yield from self._below(hold)))
         return succeeded(reason=f"it hangs {up_m:.2f} m up with {weight}")
+
+    def _below(self, hold: Hold) -> Generator[Job[Any], Any, GroundBelow]:
+        """Return what is below the stone, wherever it is carried to."""
+        context, held = self.context, held_surface(self.context, hold)
+        T_base_map = inverse(context.state().T_map_base)
+        cloud = yield from surroundings(context, hold.stone_id)
+        T_base_gripper = T_base_map @ context.gripper()
+        points = transform(T_base_map, cloud.points)
+        return (yield from context.job(GroundBelow.of, points, held, T_base_gripper))
 
 
 def _borne(weight: Weight, stone: Stone, up_m: float) -> str:

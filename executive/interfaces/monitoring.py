@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 
 from executive.interfaces.plugin import Plugin
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
 from executive.messages.weight import Weight
@@ -42,6 +43,13 @@ class Monitor(Plugin, ABC):
         """The stone hangs: it was weighed off the ground, and does not settle in the jaws any more.
 
         A tree without a trial lift never calls it.
+        """
+        return None
+
+    def carry_over(self, below: GroundBelow) -> None:
+        """Take what is below the stone of this hold on its way: higher up nothing carries it.
+
+        It comes after `begin_carry`, where the surroundings are known.
         """
         return None
 

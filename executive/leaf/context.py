@@ -13,6 +13,7 @@ from executive.journal import Entry
 from executive.leaf.job import Job
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.region import Region
 from executive.messages.verdict import Verdict
@@ -114,6 +115,10 @@ class Context(ABC):
 
     def begin_carry(self) -> None:
         """Tell the monitors that the held stone was weighed, and hangs free."""
+        return None
+
+    def carry_over(self, below: GroundBelow) -> None:
+        """Tell the monitors what is below the held stone on its way."""
         return None
 
     @abstractmethod

@@ -18,6 +18,7 @@ from executive.leaf.job import Job
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
 from executive.messages.base_state import BaseState
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.region import Region
 from executive.messages.verdict import Verdict
@@ -137,6 +138,10 @@ class NodeContext(Context):
     def begin_carry(self) -> None:
         for monitor in self._monitors():
             monitor.begin_carry()
+
+    def carry_over(self, below: GroundBelow) -> None:
+        for monitor in self._monitors():
+            monitor.carry_over(below)
 
     def end_hold(self) -> None:
         for monitor in self._monitors():

@@ -11,6 +11,7 @@ from executive_plugins.monitoring.settings import HoldStateSettings
 
 from executive.arrays import Float
 from executive.machine.machine import Machine
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.weight import Weight
 
@@ -20,6 +21,9 @@ _FORCE_STD = 0.05  # of the force, as a share; the servo of the jaws varies by l
 # After a downward motion the ground may carry the stone for so long: what stands with a half of its
 # weight on the arm may leave it within that time.
 _STOOD_S = 3.0
+# A stone that is farther above what was seen below it is carried by nothing: its underside, which
+# nobody has seen, was up to 13 cm lower than its model, and the map is some 2 cm off.
+_CLEAR_M = 0.2
 _PRESSING = -0.2  # share of the weight below which the arm may be pressed on the ground
 _STANDS = 0.5  # share of the weight below which the ground carries it
 
@@ -70,6 +74,7 @@ class HoldSignals:
         self._mass, self._jaws = CarriedMass(), JawMotion(settings)
         self._force = 0.0  # largest mean so far
         self._sank_s = -np.inf
+        self.below: GroundBelow | None = None  # what may carry the stone, where that is known
 
     @property
     def weight(self) -> Weight | None:
@@ -144,7 +149,16 @@ class HoldSignals:
         return Signal(force / self._force, float(np.hypot(noise / self._force, _FORCE_STD)))
 
     def _may_stand(self, window: _Samples, weight: Signal) -> bool:
-        """Return whether the gripper has sunk recently, or presses on what is below it."""
+        """Return whether something may carry the stone.
+
+        That is so if the gripper has sunk recently, or presses on what is below it, and never where
+        the stone is known to be far above all that was seen below it.
+        """
+        if self.below is not None:
+            clearance_m = self.below.clearance_m(self._scale.gripper(self._q))
+            if clearance_m > _CLEAR_M:
+                self._sank_s = -np.inf
+                return False
         rises, now_s = window.rises_m_s, window.stamps_s[-1]
         spread = float(np.std(rises)) / np.sqrt(len(rises))
         noise = self._scale.rise_noise_m_s(self._q, self._velocity_std) / np.sqrt(len(rises))

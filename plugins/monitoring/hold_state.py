@@ -14,6 +14,7 @@ from executive_plugins.monitoring.settings import HoldStateSettings
 
 from executive.interfaces.monitoring import Monitor
 from executive.machine.machine import Machine
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
 from executive.messages.weight import Weight
@@ -78,6 +79,10 @@ class HoldState(Monitor):
         if self._hold is not None:
             self._is_carried = True
             self._hold.signals.begin_carry()
+
+    def carry_over(self, below: GroundBelow) -> None:
+        if self._hold is not None:
+            self._hold.signals.below = below
 
     def end_hold(self) -> None:
         self._hold = None

@@ -53,6 +53,10 @@ class PayloadScale:
         missing = effort[:-1] - self.empty_effort(q)
         return float(lever @ missing / max(float(lever @ lever), 1e-9))
 
+    def gripper(self, q_arm: Float) -> Float:
+        """Return T_base_gripper, shape (4, 4)."""
+        return self._kinematics.gripper(q_arm)
+
     def lever(self, q_arm: Float) -> Float:
         """Return the effort per kilogram at the grasp centre, [N·m/kg] or [N/kg], shape (n,)."""
         J = self._kinematics.jacobian(q_arm)

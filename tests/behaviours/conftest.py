@@ -64,6 +64,7 @@ class FakeContext(Context):
         self.journal = Journal()
         self.run_folder = Path()
         self.holds = []
+        self.below = []  # what monitors were told is below a held stone
         self.troubles = []
         self.weighed, self.carried = None, False
         self.payload = None
@@ -123,6 +124,9 @@ class FakeContext(Context):
 
     def begin_carry(self):
         self.holds.append("carry")
+
+    def carry_over(self, below):
+        self.below.append(below)
 
     def end_hold(self):
         self.holds.append("end")

@@ -21,6 +21,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.drive import BasePath, DriveRequest
 from executive.messages.gnss import GnssFix
 from executive.messages.grasp import Grasp
+from executive.messages.ground_below import GroundBelow
 from executive.messages.height_grid import HeightGrid
 from executive.messages.hold import Hold
 from executive.messages.imu import ImuSample
@@ -191,6 +192,11 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
         "jaw_rad": 0.0,
     },
     HeightGrid: lambda: {"corner": np.zeros(2), "cell_m": 0.25, "heights": np.zeros((2, 3))},
+    GroundBelow: lambda: {
+        "corner": np.zeros(2),
+        "highest_m": np.zeros((2, 3)),
+        "hangs_m": 0.5,
+    },
     Structure: lambda: {
         "name": "wall",
         "line": np.array([[0.0, 0.0], [1.0, 0.0]]),

@@ -23,6 +23,9 @@ class Monitor:
     def begin_carry(self):
         self.carries += 1
 
+    def carry_over(self, below):
+        self.below = below
+
     def end_hold(self):
         self.holds -= 1
 
@@ -65,6 +68,8 @@ def test_every_monitor_is_told_of_a_hold_and_earlier_verdicts_are_forgotten():
     assert asked.verdicts() == ()
     asked.begin_carry()
     assert [one.carries for one in monitors] == [1, 1]
+    asked.carry_over("the ground")
+    assert [one.below for one in monitors] == ["the ground", "the ground"]
     verdicts.append("drop")
     asked.end_hold()
     assert [one.holds for one in monitors] == [0, 0]

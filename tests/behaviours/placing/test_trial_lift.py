@@ -58,6 +58,7 @@ def test_a_stone_of_which_the_ground_carries_a_part_is_not_lifted(
     assert ended.status == status
     # The monitors take a stone for settled only if it hangs.
     assert ("carry" in world.leaf_context.holds) == (status == "SUCCESS")
+    assert len(world.leaf_context.below) == (status == "SUCCESS")
     told = [one for one in world.leaf_context.events if isinstance(one, StoneNotLifted)]
     if status == "SUCCESS":
         assert ended.reason == f"it hangs 0.05 m up with {share * whole_kg:.0f} ± 0 kg"

@@ -28,6 +28,7 @@ from executive.geometry.rotation import about_axis, angle_between, exp_so3
 from executive.leaf.weighing import least_kg
 from executive.messages.cloud import Cloud
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.request import MoveRequest
 from executive.messages.stone import Stone, StoneState
@@ -110,8 +111,12 @@ class Site:
         self.run(trial.wait)
         share = float(np.mean(self.masses_kg)) / least_kg(stone, (), trial.borne)
         if share >= 1.0:
+            T_base_map = inverse(self.world.T_world_base)
+            around = transform(T_base_map, self.surroundings(others).points)
+            below = GroundBelow.of(around, held, T_base_map @ self.gripper())
             for monitor in self.plugins["monitoring"]:
                 monitor.begin_carry()
+                monitor.carry_over(below)
         return share
 
     def end_hold(self) -> list[Verdict]:

@@ -16,6 +16,7 @@ from executive.behaviours.is_hanging import IsHangingSettings
 from executive.geometry.pose import inverse
 from executive.interfaces.monitoring import Monitor
 from executive.messages.command import MoveJaws
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Trouble, Verdict
 from executive.messages.weight import Weight
@@ -107,6 +108,9 @@ class Watched(Monitor):
         self._monitor.begin_carry()
         if self.hold is not None:
             self.hold.carried_s = self._site.now_s
+
+    def carry_over(self, below: GroundBelow) -> None:
+        self._monitor.carry_over(below)
 
     def end_hold(self) -> None:
         self._monitor.end_hold()

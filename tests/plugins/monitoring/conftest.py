@@ -6,6 +6,7 @@ from executive_plugins.monitoring.hold_state import HoldState
 from executive_plugins.monitoring.payload_scale import PayloadScale
 
 from executive.machine.machine import Machine, load_machine
+from executive.messages.ground_below import GroundBelow
 from tests.plugins.monitoring.carries import Carry
 
 
@@ -28,6 +29,7 @@ def watch(machine: Machine, scale: PayloadScale):
         seed: int = 0,
         kind: type[HoldState] = HoldState,
         carried_s: float = np.inf,
+        below: GroundBelow | None = None,
     ):
         monitor = kind(kind.Settings(), machine)
         monitor.start()
@@ -37,6 +39,8 @@ def watch(machine: Machine, scale: PayloadScale):
             if one.stamp_s > carried_s:
                 monitor.begin_carry()
                 carried_s = np.inf
+                if below is not None:
+                    monitor.carry_over(below)
             told.append(monitor.update(one))
         return [verdict for verdict in told if verdict is not None], monitor
 

@@ -6,6 +6,8 @@ from executive_plugins.monitoring.hold_state import HoldState
 from executive_plugins.monitoring.payload_scale import PayloadScale
 from executive_plugins.monitoring.settings import HoldStateSettings
 
+from executive.machine.kinematics import Kinematics
+from executive.messages.ground_below import GroundBelow
 from executive.messages.verdict import Trouble
 from tests.plugins.monitoring.carries import (
     MASS_KG,
@@ -92,6 +94,35 @@ def test_what_leaves_the_jaws_long_after_they_sank_has_fallen(watch, late_s, is_
     assert [one.trouble for one in told] == ([Trouble.DROP] if is_lost else [])
     assert is_lost or monitor.standing() > 0.95
     assert all(one.stamp_s < sunk_s + late_s + 0.5 for one in told)
+
+
+@pytest.mark.parametrize(("high_m", "is_lost"), [(0.1, False), (0.3, True), (1.0, True)])
+def test_what_leaves_the_jaws_far_above_the_ground_has_fallen(
+    watch, machine, high_m, is_lost
+) -> None:
+    """It does so in a sinking arm, so that nothing but the map tells that no ground carries it."""
+    carry, sinking_s = lowered(), 7.0
+    carry.weight *= 1 - carry.after(sinking_s, 0.2)
+    q = next(
+        one.position[:-1]
+        for one in carry.samples(machine, PayloadScale(machine))
+        if one.stamp_s >= sinking_s + 0.5
+    )
+    lowest_m = Kinematics(machine).gripper(q)[2, 3] - 0.5 - high_m
+    below = GroundBelow(np.array([-20.0, -20.0]), np.full((160, 160), lowest_m), 0.5)
+    told, monitor = watch(carry, carried_s=4.0, below=below)
+    assert [one.trouble for one in told] == ([Trouble.DROP] if is_lost else [])
+    assert is_lost or monitor.standing() > 0.95
+    assert all(one.stamp_s <= sinking_s + 0.5 for one in told)
+
+
+def test_ground_that_was_not_seen_may_carry_a_stone(watch) -> None:
+    carry = lowered()
+    carry.weight *= 1 - carry.after(7.0, 0.2)
+    unseen = GroundBelow(np.array([-20.0, -20.0]), np.full((160, 160), 1e6), 0.5)
+    told, monitor = watch(carry, carried_s=4.0, below=unseen)
+    assert told == []
+    assert monitor.standing() > 0.95
 
 
 def test_a_stone_that_slides_onto_the_ground_out_of_closing_jaws_is_a_slip(watch) -> None:
