@@ -23,7 +23,7 @@ from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
 from executive.leaf.way_up import risen_m, way_up
 from executive.leaf.weighing import LEAST_SHARE, SURE, hanging, least_kg
-from executive.messages.ground_below import GroundBelow
+from executive.messages.ground_below import GroundBelow, ground_below
 from executive.messages.hold import Hold
 from executive.messages.stone import Stone
 from executive.messages.weight import Weight
@@ -132,7 +132,7 @@ class TrialLift(Action[TrialLiftSettings]):
         cloud = yield from surroundings(context, hold.stone_id)
         T_base_gripper = T_base_map @ context.gripper()
         points = transform(T_base_map, cloud.points)
-        return (yield from context.job(GroundBelow.of, points, held, T_base_gripper))
+        return (yield from context.job(ground_below, points, held, T_base_gripper))
 
 
 def _borne(weight: Weight, stone: Stone, up_m: float) -> str:

@@ -28,7 +28,7 @@ from executive.geometry.rotation import about_axis, angle_between, exp_so3
 from executive.leaf.weighing import least_kg
 from executive.messages.cloud import Cloud
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
-from executive.messages.ground_below import GroundBelow
+from executive.messages.ground_below import ground_below
 from executive.messages.joints import JointSample
 from executive.messages.request import MoveRequest
 from executive.messages.stone import Stone, StoneState
@@ -113,7 +113,7 @@ class Site:
         if share >= 1.0:
             T_base_map = inverse(self.world.T_world_base)
             around = transform(T_base_map, self.surroundings(others).points)
-            below = GroundBelow.of(around, held, T_base_map @ self.gripper())
+            below = ground_below(around, held, T_base_map @ self.gripper())
             for monitor in self.plugins["monitoring"]:
                 monitor.begin_carry()
                 monitor.carry_over(below)
