@@ -1,9 +1,10 @@
-"""Hold the estimate of missions against the simulator's truth, with a base that is free to move.
+"""Hold estimate and map of missions against the truth, with a base that is free to move.
 
 A mission is run and recorded, and the estimator is run on the record. By default the machine sways
 on its legs while it surveys a site; with --drive it drives 16 m and scans. The bias of a mission is
 the length of the mean error of the cabin's position, and the deviation is the mean of those of its
-three components, as in Nubert et al. 2022, Table I. Half a minute a seed; four with --drive.
+three components, as in Nubert et al. 2022, Table I. That of the map is the median distance of its
+points from the true surface of ground and stones. Half a minute a seed; four with --drive.
 """
 
 import sys
