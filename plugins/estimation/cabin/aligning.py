@@ -1,5 +1,6 @@
 """Position and velocity while the heading is not known yet."""
 
+from executive_plugins.estimation.cabin.aligning_witness import AligningWitness
 from executive_plugins.estimation.cabin.heading_bank import HeadingBank
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -14,7 +15,12 @@ class Aligning:
     """The state of a body whose heading is not known, from one attempt to find it to the next."""
 
     def __init__(
-        self, found: Found, noise: InertialNoise, propagator: LivePropagator, gate: float
+        self,
+        found: Found,
+        noise: InertialNoise,
+        propagator: LivePropagator,
+        gate: float,
+        witness: AligningWitness,
     ) -> None:
         """Begin at a state, and set the propagator to it.
 
@@ -23,9 +29,10 @@ class Aligning:
             noise: Noise of the inertial sensor.
             propagator: Reports the state at the newest sample.
             gate: Largest squared Mahalanobis distance of a fix.
+            witness: What fixes say of the states so far.
         """
         self._late_s, self._scale, self._gate = found.clock.offset_s, found.fix_scale, gate
-        self._bank = HeadingBank(found, noise)
+        self._bank = HeadingBank(found, noise, witness)
         self._trailing = TrailingFilter(self._bank, _LAG_S, propagator)
 
     def add_sample(self, stamp_s: float) -> None:

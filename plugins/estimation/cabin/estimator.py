@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from executive_plugins.estimation.cabin.aligning import Aligning
+from executive_plugins.estimation.cabin.aligning_witness import AligningWitness
 from executive_plugins.estimation.cabin.sensors import antennas_in_imu, cabin_imu
 from executive_plugins.estimation.cabin.settings import CabinSettings
 from executive_plugins.estimation.gate.measurements import Fix
@@ -139,6 +140,7 @@ class CabinEstimator(Estimator):
             settings.clock_std_s,
         )
         self._aligning: Aligning | None = None
+        self._aligning_witness = AligningWitness()
         self._newest_s: float | None = None  # of the cabin's inertial sensor
         self._is_begun = False
         self._standing_s = -np.inf
@@ -207,7 +209,8 @@ class CabinEstimator(Estimator):
             self._start_at(found)
             return
         if found is not None:
-            self._aligning = Aligning(found, self._noise, self._propagator, UNKNOWN_BODY_GATE)
+            known = self._propagator, UNKNOWN_BODY_GATE, self._aligning_witness
+            self._aligning = Aligning(found, self._noise, *known)
         if self._first.waits_for and not 0 <= sample.stamp_s - self._reported_s < _REPORT_PERIOD_S:
             self._report(sample.stamp_s, f"waits for {self._first.waits_for}")
 

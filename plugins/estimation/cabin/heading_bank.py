@@ -4,9 +4,10 @@ Source: the Gaussian sum filter (Alspach and Sorenson 1972). Each filter is line
 heading, and the fixes tell by their likelihood which headings explain them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from executive_plugins.estimation.cabin.aligning_witness import AligningWitness
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.exponential import left_jacobian, moved_far
@@ -41,9 +42,15 @@ _REFUTED = 7.0  # a member under which the fixes are e⁷ = 1,100 times less lik
 class HeadingBank:
     """Filters with the likelihood of each."""
 
-    def __init__(self, found: Found, noise: InertialNoise) -> None:
-        """Make the filters that a state without a heading stands for."""
-        self._noise = noise
+    def __init__(self, found: Found, noise: InertialNoise, witness: AligningWitness) -> None:
+        """Make the filters that a state without a heading stands for.
+
+        Args:
+            found: The state.
+            noise: Noise of the inertial sensor.
+            witness: What fixes say of the states so far.
+        """
+        self._noise, self._witness = noise, witness
         self._members = list(_members(found, noise))
         self._weights = np.array([weight for weight, _ in self._members])  # logarithms
         self._filters = [kalman for _, kalman in self._members]
@@ -75,16 +82,33 @@ class HeadingBank:
             gate: Largest squared Mahalanobis distance.
         """
         likelihoods = np.full(len(self._filters), -np.inf)
+        predictions = []
         for i, kalman in enumerate(self._filters):
             residual, H, by_clock, noise = fix_residual(kalman, fix, late_s)
             S = kalman.predicted(H, by_clock) + scale * noise
+            predictions.append((residual, S))
             distance2 = float(residual @ np.linalg.solve(S, residual))
             if kalman.correct(residual, H, scale * noise, gate, by_clock):
                 likelihoods[i] = -0.5 * (distance2 + np.linalg.slogdet(S)[1])
+        self._witness.take(fix, *self._mixed(predictions))
         if not np.isfinite(likelihoods).any():
             return False
+        self._witness.use(fix.stamp_s)
         self._weigh(likelihoods)
         return True
+
+    @property
+    def _shares(self) -> Float:
+        """Probability of each filter."""
+        shares = np.exp(self._weights - self._weights.max())
+        return np.asarray(shares / shares.sum())
+
+    def _mixed(self, predictions: Sequence[tuple[Float, Float]]) -> tuple[Float, Float]:
+        """Return the mean of the filters' innovations, (3,), and the covariance about it."""
+        pairs = list(zip(self._shares, predictions, strict=True))
+        mean = np.asarray(sum(share * residual for share, (residual, _) in pairs))
+        apart = [(share, residual - mean, S) for share, (residual, S) in pairs]
+        return mean, np.asarray(sum(share * (S + np.outer(d, d)) for share, d, S in apart))
 
     def _weigh(self, likelihoods: Float) -> None:
         """Add logarithms of likelihoods, and drop the filters that they refute."""
@@ -107,8 +131,7 @@ class HeadingBank:
         The likeliest state alone would turn by the angle between two members when the fixes tell
         a little more for the other.
         """
-        shares = np.exp(self._weights - self._weights.max())
-        shares /= shares.sum()
+        shares = self._shares
         best, states = self.state, [kalman.state for kalman in self._filters]
         mean = sum(
             share * _difference(best, one)[0] for share, one in zip(shares, states, strict=True)
@@ -117,6 +140,8 @@ class HeadingBank:
         for share, kalman in zip(shares, self._filters, strict=True):
             error, J = _difference(middle, kalman.state)
             P += share * (J @ kalman.reported()[1] @ J.T + np.outer(error, error))
+        if self._witness.moved2 is not None:
+            P[POSITION, POSITION] += self._witness.moved2
         return middle, P
 
 

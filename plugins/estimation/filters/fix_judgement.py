@@ -2,12 +2,15 @@
 
 import numpy as np
 from executive_plugins.estimation.filters.antenna_streams import STEP_AGO_S, AntennaStreams
+from executive_plugins.estimation.filters.refused_fixes import TRUSTED
+from executive_plugins.estimation.gate.fix_witness import FixWitness
 from executive_plugins.estimation.gate.growing_refusals import GrowingRefusals
 from executive_plugins.estimation.gate.innovation_record import DOUBTED, LEANS
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.fix_residual import compared
 from executive_plugins.estimation.kalman.held_clock import HeldClock, shows_clock
+from executive_plugins.estimation.kalman.judged_fix import USED
 
 
 class FixJudgement:
@@ -15,18 +18,22 @@ class FixJudgement:
 
     Attributes:
         clock: When the clock is learnt.
+        witness: What the fixes say of the error of the reported state.
     """
 
-    def __init__(self, streams: AntennaStreams, gate: float, held_s: float) -> None:
+    def __init__(self, streams: AntennaStreams, gate: float, held_s: float, antennas: int) -> None:
         """Begin without a filter.
 
         Args:
             streams: The fixes as they come.
             gate: Largest squared Mahalanobis distance of a fix.
-            held_s: How long the clock is held after the last doubt [s].
+            held_s: How long the clock is held after the last doubt, and a fix counts that was in
+                doubt and used [s].
+            antennas: Number of them.
         """
         self._streams, self._gate, self._held_s = streams, gate, held_s
         self._refusals = GrowingRefusals()
+        self.witness = FixWitness(TRUSTED * antennas, held_s)
         self.forget_clock()
 
     def forget_clock(self) -> None:
@@ -36,6 +43,19 @@ class FixJudgement:
     def clear_refusals(self) -> None:
         """Forget the fixes that were refused, since one was used."""
         self._refusals.clear()
+
+    def hold_against(self, kalman: ErrorStateFilter, fix: Fix, said: int) -> None:
+        """Let the reported covariance hold what a fix says that was compared with a filter.
+
+        Where the clock is known, one in no doubt is corrected by compiled code alone, and is not
+        looked at.
+        """
+        if not kalman.has_clock and said & USED and not said & DOUBTED:
+            self.witness.use_sound(1, kalman.stamp_s)
+            return
+        record, period_s = self._streams.records[fix.antenna], self._streams.period_s(fix.antenna)
+        innovation = np.array(kalman.block["residual"][0, :3])
+        self.witness.take(innovation, record.covariance, record.white, period_s)
 
     def judge(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> int:
         """Correct by a fix whose innovation is in no doubt; return what `judged_fix` says."""

@@ -82,7 +82,8 @@ class GnssImuFilter(CabinEstimator):
         self._suspected_s = -np.inf  # when something last spoke against the state
         self._contradicted_s = -np.inf  # when odometry last shared a doubt
         self._streams = AntennaStreams(settings.fallback_after_s)
-        self._fixes = FixJudgement(self._streams, settings.gate, kept_s)
+        antennas = len(self._antennas_imu)
+        self._fixes = FixJudgement(self._streams, settings.gate, kept_s, antennas)
         self._refused = RefusedFixes(
             settings.window_start, self._noise, settings.clock_std_s, kept_s
         )
@@ -106,6 +107,7 @@ class GnssImuFilter(CabinEstimator):
         self._fixes.forget_clock()
         self._used_fix_s = found.state.stamp_s
         self._kept.clear()
+        self._fixes.witness.begin(self._aligning_witness.witness)
         self._sensors.forget()
 
     def _new_trailing(
@@ -207,6 +209,7 @@ class GnssImuFilter(CabinEstimator):
 
     def _conclude(self, kalman: ErrorStateFilter, fix: Fix, said: int, late_s: float = 0.0) -> bool:
         """Do what follows from what `judged_fix` says of a fix; return whether it is used."""
+        self._fixes.hold_against(kalman, fix, said)
         if not said & DOUBTED:
             self._kept.agree_with_filter()
         elif self._returns(kalman, fix, late_s) or self._finds_wrong_sensor(kalman, fix):
@@ -214,6 +217,7 @@ class GnssImuFilter(CabinEstimator):
         if said & DOUBTED:
             self._suspect(kalman.stamp_s, self._fixes.look_into(kalman, fix, said))
         if said & USED or self._fixes.is_used(kalman):
+            self._fixes.witness.use(kalman.stamp_s)
             self._count_used(1, kalman.stamp_s)
             return True
         self._stamp_gate.refuse(fix.antenna, "outlier")
@@ -261,6 +265,7 @@ class GnssImuFilter(CabinEstimator):
     def _renew(self, stamp_s: float) -> None:
         """Forget what was said of the state before, as another one has used a fix [s]."""
         self._streams.renew()
+        self._fixes.witness.clear()
         self._used_fix_s = stamp_s
         self._fixes.clear_refusals()
         self._refused.forget()
@@ -268,6 +273,7 @@ class GnssImuFilter(CabinEstimator):
     def _count_sound(self, count: int, stamp_s: float) -> None:
         """Do what `_count_used` does, for fixes that are in no doubt."""
         self._kept.agree_with_filter()
+        self._fixes.witness.use_sound(count, stamp_s)
         self._count_used(count, stamp_s)
 
     def _count_used(self, count: int, stamp_s: float) -> None:
@@ -283,7 +289,7 @@ class GnssImuFilter(CabinEstimator):
             self._account.doubt(cause)
 
     def state(self) -> BaseState:
-        state = self._witnesses.widened(super().state())
+        state = self._witnesses.widened(super().state(), self._fixes.witness.moved2)
         if state.status != self._account.status:
             self._account.take(state.status, state.stamp_s, state.stamp_s - self._used_fix_s)
         return state

@@ -1,11 +1,11 @@
 """The motion over some seconds, by a filter and by odometry that it does not use."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from executive_plugins.estimation.cholesky import squared_distance
+from executive_plugins.estimation.gate.likely_error import likely_error
 from executive_plugins.estimation.inertial.exponential import linear_covariance
 from executive_plugins.estimation.inertial.state import POSITION, ROTATION, VELOCITY
 from executive_plugins.estimation.kalman.layout import Block
@@ -129,25 +129,13 @@ class OdometryWindow:
         """Return that of the filter's error if odometry is right, shape (3, 3)."""
         return np.asarray(np.outer(self.apart[part], self.apart[part]) + self.covariance(part))
 
-    def likely_error(self, part: slice, prior: float) -> Float:
+    def likely_error(self, part: slice) -> Float:
         """Return the second moment of the filter's error, over whether it errs at all, (3, 3).
-
-        Either the covariance explains what differs, or it is too small by a factor that does: the
-        expectation over both (Bayesian model averaging) holds an error before it is proven.
 
         Args:
             part: `TURN` or `WAY`.
-            prior: How likely such an error is before anything is measured.
         """
-        squares = self.distance2(part) / len(self.apart[part])
-        if squares <= 1.0:
-            return np.zeros((3, 3))
-        # The likeliest factor is the mean square of the deviations.
-        gain = 0.5 * len(self.apart[part]) * (squares - 1.0 - math.log(squares))
-        probability = prior / (prior + (1.0 - prior) * math.exp(-gain))
-        share = 1.0 - 1.0 / squares  # of what differs, that is the filter's
-        d = share * self.apart[part]
-        return np.asarray(probability * (np.outer(d, d) + share * self.covariance(part)))
+        return likely_error(self.apart[part], self.covariance(part), self.lasts_s)
 
     def carried_distance2(self) -> float:
         """Return the squared distance of both ways by what inertial samples tell of them.

@@ -20,6 +20,7 @@ from executive_plugins.estimation.filters.odometry_window import (
 )
 from executive_plugins.estimation.gate.drift_record import DriftRecord
 from executive_plugins.estimation.gate.innovation_alarm import binary, usual_size
+from executive_plugins.estimation.gate.likely_error import BEGINS_AFTER_S
 from executive_plugins.estimation.live.propagator import LivePropagator
 
 from executive.arrays import Float
@@ -29,9 +30,7 @@ from executive.messages.odometry import LidarIncrement
 _PARTS = (8, 4, 2, 1)  # of the time that is remembered: windows over which motions are compared
 _LEARNT = 1  # number of the window that tells the usual drift
 _SIGMAS = 3.0  # of `DriftRecord.share`
-# Mean time between two contradictions by chance. It is shorter than that of an alarm, which ends
-# GLOBAL: here the covariance grows for some seconds.
-_FALSE_ALARM_S = 600.0
+_FALSE_ALARM_S = BEGINS_AFTER_S  # mean time between two contradictions by chance
 _USUAL = usual_size(3)
 
 
@@ -130,7 +129,7 @@ class OdometryWitness:
         if self._are_apart[number]:
             moments = [one.second_moment(part) for one in unusual]
         else:
-            moments = [one.likely_error(part, one.lasts_s / _FALSE_ALARM_S) for one in unusual]
+            moments = [one.likely_error(part) for one in unusual]
         return max([known, *moments], key=np.trace) if unusual else np.zeros((3, 3))
 
     def _is_refuted(self, window: OdometryWindow, limit: float) -> bool:

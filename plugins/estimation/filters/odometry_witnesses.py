@@ -88,15 +88,23 @@ class OdometryWitnesses:
             covariance=Ad @ increment.covariance @ Ad.T,
         )
 
-    def widened(self, state: BaseState) -> BaseState:
-        """Return a state whose covariance holds what odometry says as well."""
+    def widened(self, state: BaseState, by_fixes2: Float | None = None) -> BaseState:
+        """Return a state whose covariance holds what odometry and fixes say as well.
+
+        Args:
+            state: The state.
+            by_fixes2: See `FixWitness.moved2`.
+        """
         witness = self._widest
-        if witness is None:
+        if witness is None and by_fixes2 is None:
             return state
         R, covariance = state.T_map_cabin[:3, :3], state.covariance.copy()
-        by_turn = np.vstack([np.eye(3), skew(self._arm)])
-        covariance += by_turn @ R.T @ witness.turned2 @ R @ by_turn.T
-        covariance[3:, 3:] += R.T @ witness.moved2 @ R
+        if witness is not None:
+            by_turn = np.vstack([np.eye(3), skew(self._arm)])
+            covariance += by_turn @ R.T @ witness.turned2 @ R @ by_turn.T
+            covariance[3:, 3:] += R.T @ witness.moved2 @ R
+        if by_fixes2 is not None:
+            covariance[3:, 3:] += R.T @ by_fixes2 @ R
         poses = state.T_map_base, state.T_odom_base, state.T_map_cabin
         rates = state.v_map_cabin, state.w_map_cabin_in_cabin
         return BaseState(state.stamp_s, *poses, *rates, covariance, state.status)

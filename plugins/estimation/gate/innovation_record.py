@@ -136,6 +136,17 @@ class InnovationRecord:
         return bool(self.block[0]["bias_counts"][1])
 
     @property
+    def covariance(self) -> Float:
+        """Covariance of the newest innovation by what was known before it [m²], shape (3, 3)."""
+        return np.array(self.block[0]["S"])
+
+    @property
+    def white(self) -> Float:
+        """The newest innovations but outliers in standard deviations, newest first, (n, 3)."""
+        row = self.block[0]
+        return np.asarray(row["bias_rows"][: row["bias_counts"][0]])
+
+    @property
     def lean(self) -> Lean | None:
         """What the newest innovations show; None if they do not lean."""
         row = self.block[0]

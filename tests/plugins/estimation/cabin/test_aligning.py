@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from executive_plugins.estimation.cabin.aligning import Aligning
+from executive_plugins.estimation.cabin.aligning_witness import AligningWitness
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -46,7 +47,8 @@ def aligned(off_m: np.ndarray | None, gate: float = 60.0, fix_scale: float = 1.0
     P[ROTATION, ROTATION] += np.diag([0.0, 0.0, 1.5])
     start = InertialState(Inertial(5.0, Z, UP, 0.01), np.eye(3), Z, Z, Z, Z)
     newest = Newest()
-    aligning = Aligning(Found(start, P, False, ClockOffset(), fix_scale), NOISE, newest, gate)
+    found = Found(start, P, False, ClockOffset(), fix_scale)
+    aligning = Aligning(found, NOISE, newest, gate, AligningWitness())
     if off_m is not None:
         aligning.add_fix(Fix(5.005, "left", ARM, ARM + off_m, 0.02**2 * np.eye(3)))
     for k in range(1, 13):

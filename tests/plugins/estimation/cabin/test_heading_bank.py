@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.estimation.cabin.aligning_witness import AligningWitness
 from executive_plugins.estimation.cabin.heading_bank import HeadingBank
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.clock_offset import ClockOffset
@@ -40,7 +41,10 @@ def unknown_heading(std_rad: float = np.pi / np.sqrt(3)) -> Found:
 
 def driven(heading_rad: float, accelerates: bool, seed: int = 0) -> tuple[HeadingBank, Float]:
     """Return the bank after three seconds, and the error of its state with pose first, (6,)."""
-    rng, bank = np.random.default_rng(seed), HeadingBank(unknown_heading(), NOISE)
+    rng, bank = (
+        np.random.default_rng(seed),
+        HeadingBank(unknown_heading(), NOISE, AligningWitness()),
+    )
     R = from_rpy(0.0, 0.0, heading_rad)
     true, ring = (
         InertialState(Inertial(0.0, Z, UP, 0.01), R, -R @ ARM_M, Z, Z, Z),
@@ -83,7 +87,7 @@ def test_a_body_at_rest_keeps_all_headings_within_its_covariance(seed: int) -> N
 
 
 def test_the_mean_of_all_headings_is_reported_with_its_covariance() -> None:
-    bank = HeadingBank(unknown_heading(), NOISE)
+    bank = HeadingBank(unknown_heading(), NOISE, AligningWitness())
     for at_s in (0.1, 0.2, 0.3):
         bank.correct(Fix(at_s, "left", ARM_M, Z, FIX_M**2 * np.eye(3)), 0.0, 1.0, 60.0)
     mean, P = bank.reported()
@@ -97,15 +101,29 @@ def test_the_mean_of_all_headings_is_reported_with_its_covariance() -> None:
 
 def test_a_heading_that_is_nearly_known_takes_one_filter() -> None:
     found = unknown_heading(0.2)
-    bank = HeadingBank(found, NOISE)
+    bank = HeadingBank(found, NOISE, AligningWitness())
     assert bank.state is found.state
     assert bank.reported()[1][2, 2] == pytest.approx(0.2**2)
 
 
 @pytest.mark.parametrize("off_m", [100.0, np.nan])
 def test_a_fix_that_no_filter_explains_changes_nothing(off_m: float) -> None:
-    bank = HeadingBank(unknown_heading(), NOISE)
+    bank = HeadingBank(unknown_heading(), NOISE, AligningWitness())
     before = bank.state
     fix = Fix(0.0, "left", ARM_M, np.full(3, off_m), FIX_M**2 * np.eye(3))
     assert not bank.correct(fix, 0.0, 1.0, 60.0)
     assert bank.state is before
+
+
+def test_the_covariance_holds_a_fix_that_has_moved_the_state_unlikely_far() -> None:
+    """The bank of the next state begins with what the fixes said of this one."""
+    witness = AligningWitness()
+    bank = HeadingBank(unknown_heading(), NOISE, witness)
+    for at_s, off_m in ((0.0, 0.0), (1.0, 0.0), (2.0, 0.15)):
+        fix = Fix(at_s, "left", ARM_M, np.array([0.0, 0.0, off_m]), FIX_M**2 * np.eye(3))
+        assert bank.correct(fix, 0.0, 1.0, 60.0)
+    up = POSITION.start + 2
+    assert bank.reported()[1][up, up] > 0.1**2
+    for known, is_held in ((witness, True), (AligningWitness(), False)):
+        P = HeadingBank(unknown_heading(), NOISE, known).reported()[1]
+        assert (P[up, up] > 0.1**2) == is_held
