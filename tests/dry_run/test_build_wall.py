@@ -57,7 +57,7 @@ mocks:
   PlanBuilding:
     - {outputs: {stone: 3, free_slots: []}}
     - {status: failure, outputs: {ending: no_stones}}
-  PlanGrasp: {outputs: {grasps: [{score: %s}]}}
+  PlanGrasp: %s
   DetectSlip: success
   VerifyPlacement: success
   SetAside: success
@@ -70,16 +70,20 @@ expect:
 
 
 @pytest.mark.parametrize(
-    ("score", "ends"),
+    ("grasps", "ends"),
     [
-        ("0.49", "SetAside: [success], KeepFittingGrasps: [], FindAgain: []"),
-        ("0.51", "SetAside: [], KeepFittingGrasps: [success]"),
+        ("{outputs: {grasps: [{score: 0.49}]}}",
+         "SetAside: [success], KeepFittingGrasps: [], FindAgain: []"),
+        ("{outputs: {grasps: [{score: 0.51}]}}", "SetAside: [], KeepFittingGrasps: [success]"),
+        # Without any grasp it lies as it did: neither place nor grasp is planned again.
+        ("failure", "PlanGrasp: [failure], PlanBuilding: [success, failure], "
+                    "SetAside: [success], FindAgain: []"),
     ],
-)
+)  # fmt: skip
 def test_a_stone_that_no_grasp_is_likely_to_hold_is_left_without_an_attempt(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, score: str, ends: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, grasps: str, ends: str
 ) -> None:
-    assert exit_status(monkeypatch, tmp_path, UNLIKELY % (score, ends)) == 0
+    assert exit_status(monkeypatch, tmp_path, UNLIKELY % (grasps, ends)) == 0
 
 
 TWICE = """api: 1
