@@ -141,4 +141,6 @@ class HeightMaps:
             joints = self._seen[2]
             names["joints_closed"] = joints.closed(origins, raster.R, stone.vertices)
             names["along_m"] = joints.lengths_m(origins, raster.R, stone.vertices)
+            left = joints.left_m(origins, raster.R, stone.vertices)
+            names["before_m"], names["after_m"] = left.T
         return Places(stone, raster.R, origins, names)

@@ -28,11 +28,11 @@ class Joints:
 
     def __init__(self, built: AsBuilt) -> None:
         self._structure = built.structure
-        spans = np.zeros((0, 3))  # begin, end, height of the centre
+        self._stones = np.zeros((0, 3))  # begin, end, height of the centre
         if len(built.structure.line) > 1:
             rows = [self._span(one.T_map_stone, one.stone.vertices) for one in built.standing]
-            spans = np.array(rows).reshape(-1, 3)
-        begin, end, z = spans.T
+            self._stones = np.array(rows).reshape(-1, 3)
+        begin, end, z = self._stones.T
         gaps = self._apart(begin[None, :], end[:, None])  # of each stone's end and another's begin
         is_joint = (np.abs(z[:, None] - z[None, :]) < _COURSE_M) & (np.abs(gaps) < _GAP_M)
         is_joint &= self._apart(begin[None, :], begin[:, None]) > 0
@@ -65,6 +65,27 @@ class Joints:
             return np.zeros(len(origins_map))
         begin, end = self._spans(origins_map, vertices @ R.T)
         return np.asarray(end - begin)
+
+    def left_m(self, origins_map: Float, R: Float, vertices: Float) -> Float:
+        """Return the free lengths of the course before and after a stone, shape (P, 2) [m].
+
+        Each goes to the next stone of the course, or to the end of the structure, and is 0 where
+        there is none; it is infinite on a cairn, and beside a stone that is alone on a ring.
+        """
+        if len(self._structure.line) == 1 or not len(origins_map):
+            return np.full((len(origins_map), 2), np.inf)
+        begin, end = self._spans(origins_map, vertices @ R.T)
+        ends = np.stack([begin, self._structure.length_m - end], axis=1)
+        left = np.full_like(ends, np.inf) if self._structure.is_ring else ends
+        its_begin, its_end, its_z = self._stones.T
+        is_course = np.abs(origins_map[:, 2, None] - its_z) < _COURSE_M
+        middles = self._apart((begin + end)[:, None] / 2, (its_begin + its_end) / 2)
+        to_those = self._apart(begin[:, None], its_end), self._apart(its_begin, end[:, None])
+        for side, sign in enumerate((1, -1)):
+            is_there = is_course & (sign * middles > 0)
+            gaps = np.where(is_there, to_those[side], np.inf)
+            left[:, side] = np.minimum(left[:, side], gaps.min(axis=1, initial=np.inf))
+        return np.maximum(left, 0.0)
 
     def _over(self, begin: Float, end: Float, z: Float, by_m: float, sign: float) -> Bool:
         """Return which stones lie over which joints by a length, or (sign −1) nearly do, (P, J)."""

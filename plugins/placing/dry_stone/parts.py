@@ -35,7 +35,8 @@ class Places:
             `top_m`, `beside_share`, `void_m3` below the stone, `bottom_m` of its lowest point
             above the ground, taken from its top, `rise_m` where it is let go a little beside,
             `joints_closed`, those that it covers less those that it lets run, -1 to 1,
-            `along_m`, its length along the structure,
+            `along_m`, its length along the structure, `before_m` and `after_m`, what is left free
+            of its course on either side,
             `top_gap_m` of its upper side below its highest point, in the mean.
     """
 

@@ -39,6 +39,9 @@ class Weights(Settings):
     into: float = Field(2.0, ge=-100, le=100, description=(
         "1 less its length along the structure over that of the inventory's longest stone: stones "
         "lie with their length into the structure, as masons lay them."))  # fmt: skip
+    gaps: float = Field(2.0, ge=-100, le=100, description=(
+        "0 if all others fit into what is left free of the course on either side, -1 if a length "
+        "as that of a stone is left into which none fits."))  # fmt: skip
     flat: float = Field(1.0, ge=-100, le=100, description=(
         "1 if its upper side is level, 0 if that is 0.3 m below its highest point in the mean."
     ))  # fmt: skip

@@ -3,7 +3,9 @@
 `volume` less `void` is the stone that a place adds to the structure, and the hollow that it shuts.
 `height` is that of the stone's bottom: that of its top would have flat stones first, and those
 leave a low course. `into` has stones lie with their length into the structure: that is how masons
-lay them, as a stone along the face takes the room of two, and rests on less of those below.
+lay them, as a stone along the face takes the room of two, and rests on less of those below. `gaps`
+has the stones of a course stand close, or leave a length between them that others fit into: what
+is left besides bears nothing, and is no bed for the next course.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,6 +20,7 @@ from executive.messages.solid_stone import SolidStone
 
 # Lengths at which a term has reached the end of its scale.
 _FACE_M, _MARGIN_M, _UNEVEN_M = 0.3, 0.2, 0.3
+_APART_M = 0.075  # of neighbours: 2.5 standard deviations of a release, see `astray`
 
 
 class Weighted:
@@ -45,9 +48,20 @@ class Weighted:
             "beside": m["beside_share"],
             "joints": m["joints_closed"],
             "into": 1 - m["along_m"] / self._longest_of(inventory),
+            "gaps": -self._wasted(m["before_m"], inventory) - self._wasted(m["after_m"], inventory),
             "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),
         }
         return {name: self._weights[name] * value for name, value in terms.items()}
+
+    def _wasted(self, free_m: Float, inventory: Sequence[SolidStone]) -> Float:
+        """Return lengths (P,) of a course times the share of stones that they are too short for.
+
+        In lengths that a stone needs, in the median. A stone that lies on its broad side, with its
+        length into the structure, needs the middle one of its extents, and room to either side.
+        """
+        needed_m = np.sort([one.extents_m[1] for one in inventory]) + 2 * _APART_M
+        share = 1 - np.searchsorted(needed_m, free_m, side="right") / len(needed_m)
+        return np.asarray(np.minimum(free_m, needed_m[-1]) * share / np.median(needed_m))
 
     def _longest_of(self, inventory: Sequence[SolidStone]) -> float:
         """Return the length of the longest stone [m]; a plan asks for it once an orientation."""

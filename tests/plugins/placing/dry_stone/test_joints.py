@@ -103,3 +103,36 @@ def test_a_ring_has_lengths_along_its_line_and_a_cairn_has_none() -> None:
     found = joints(RING).lengths_m(at, np.eye(3), BLOCK.vertices)
     assert found == pytest.approx([0.6, 1.0], abs=0.1)
     assert not joints(RING[:1]).lengths_m(at, np.eye(3), BLOCK.vertices).any()
+
+
+@pytest.mark.parametrize(
+    ("x", "z", "left_m"),
+    [
+        (0.0, 0.25, (0.5, 0.4)),  # between two: to the end of one, and to the beginning of another
+        (0.0, 0.75, (2.5, 2.5)),  # none of the second course: to the ends of the wall
+        (2.3, 0.25, (0.0, 0.2)),  # what overlaps leaves nothing
+        (-2.6, 0.25, (0.0, 0.1)),  # over the end of the wall
+    ],
+)
+def test_what_is_left_of_a_course_beside_a_stone(
+    x: float, z: float, left_m: tuple[float, float]
+) -> None:
+    found = joints(STRAIGHT, along_x(-1.5), along_x(1.4))
+    at = np.array([[x, 0.0, z]])
+    assert found.left_m(at, np.eye(3), BLOCK.vertices)[0] == pytest.approx(left_m)
+
+
+def test_a_ring_has_no_end_and_a_cairn_has_no_course() -> None:
+    at = np.array([[2.0, 0.0, 0.25]])
+    assert np.isinf(joints(RING).left_m(at, np.eye(3), BLOCK.vertices)).all()
+    cairn = joints(RING[:1], along_x(0.0))
+    assert np.isinf(cairn.left_m(at, np.eye(3), BLOCK.vertices)).all()
+    beside = joints(RING, pose(t=np.array([0.0, 2.0, 0.25])))  # a quarter of the ring further on
+    before_m, after_m = beside.left_m(at, np.eye(3), BLOCK.vertices)[0]
+    assert min(before_m, after_m) == pytest.approx(np.pi - 0.3 - 0.5, abs=0.15)
+    assert max(before_m, after_m) == np.inf
+
+
+def test_no_place_leaves_nothing() -> None:
+    none = joints(STRAIGHT, along_x(0.0)).left_m(np.zeros((0, 3)), np.eye(3), BLOCK.vertices)
+    assert none.shape == (0, 2)

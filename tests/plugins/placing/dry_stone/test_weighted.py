@@ -22,13 +22,16 @@ NAMES = (
     "top_gap_m",
     "joints_closed",
     "along_m",
+    "before_m",
+    "after_m",
 )
-WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3, -1.0, 2.0),
-                 strict=True))  # fmt: skip
-BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
-                strict=True))  # fmt: skip
+WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3, -1.0, 2.0,
+                             0.325, 0.325), strict=True))  # fmt: skip
+BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0,
+                            0.0, 0.0), strict=True))  # fmt: skip
 BEYOND = {"bottom_m": -0.01, "support_margin_m": 9.0, "depth_m": -1.0}
-FIRST = {"volume": [0.5, 0.5, 0.5], "void": [-1.0, -0.5, 0.0], "joints": [-1.0, 0.0, 1.0]}
+FIRST = {"volume": [0.5, 0.5, 0.5], "void": [-1.0, -0.5, 0.0], "joints": [-1.0, 0.0, 1.0],
+         "gaps": [-1.0, -0.5, 0.0]}  # fmt: skip
 
 
 def scored(*rows: dict[str, float]) -> dict[str, np.ndarray]:
@@ -61,3 +64,10 @@ def test_what_is_beyond_the_best_or_worst_counts_no_more() -> None:
 def test_no_support_is_no_worse_than_the_edge_of_it() -> None:
     """A stone that is to tilt to rest has its centre of mass beside what it first touches."""
     assert scored(WORST | {"support_margin_m": -0.3})["margin"] == pytest.approx([0.0])
+
+
+def test_a_gap_costs_what_it_is_long_by_the_share_of_stones_that_it_is_too_short_for() -> None:
+    """The stones need 0.65 m each: 0.5 m, and 7.5 cm to either side."""
+    left_m = (0.64, 0.0), (0.66, 0.0), (np.inf, 2.0), (0.64, 0.64)
+    found = scored(*(WORST | {"before_m": one, "after_m": other} for one, other in left_m))
+    assert found["gaps"] == pytest.approx([-0.64 / 0.65, 0.0, 0.0, -1.28 / 0.65])
