@@ -56,8 +56,9 @@ class Tilted(HeightMaps):
     def places(self, built, inventory, rng, may_go_on):
         for stone in inventory:
             names = "contact_share", "largest_support_share", "depth_m", "beside_share", "bottom_m"
-            rest = "support_margin_m", "void_m3", "top_gap_m", "joints_closed", "along_m"
-            measured = {name: np.zeros(1) for name in (*names, *rest)}
+            rest = "support_margin_m", "void_m3", "top_gap_m", "joints_closed"
+            along = "along_m", "before_m", "after_m"
+            measured = {name: np.zeros(1) for name in (*names, *rest, *along)}
             yield [Places(stone, exp_so3(np.array([0.12, 0, 0])), np.zeros((1, 3)), measured)]
 
 
