@@ -161,17 +161,32 @@ def test_maps_are_held_to_drift_and_time(
 
 
 @pytest.mark.parametrize(
-    ("worst_bias_m", "std_m", "drives", "status"),
-    [(0.0017, 0.012, False, 0), (0.0019, 0.012, True, 1), (0.0017, 0.013, False, 1)],
+    ("worst_bias_m", "std_m", "map_m", "drives", "status"),
+    [
+        (0.0017, 0.012, 0.0017, False, 0),
+        (0.0019, 0.012, 0.0017, True, 1),
+        (0.0017, 0.013, 0.0017, False, 1),
+        (0.0017, 0.012, 0.0019, False, 1),
+    ],
 )
 def test_estimates_of_missions_are_held_to_the_worst_of_all(
-    load, monkeypatch, capsys, worst_bias_m: float, std_m: float, drives: bool, status: int
+    load,
+    monkeypatch,
+    capsys,
+    worst_bias_m: float,
+    std_m: float,
+    map_m: float,
+    drives: bool,
+    status: int,
 ) -> None:
     """The mission and its machine are those that the command line asks for."""
     trial, runs = load("trials.mission_estimates"), []
 
     def recorded(mission, settings, seed, folder):
         runs.append((Path(mission).stem, tuple(settings), seed))
+        (folder / "run").mkdir()
+        truth = {"map": {"distance_m": {"median": map_m, "p95": 0.02}}}
+        (folder / "run" / "report.json").write_text(json.dumps({"truth": truth}))
         return seed
 
     def compared(seed, estimators, options):
