@@ -93,12 +93,14 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         return succeeded()
 
     def _keep_weight(self, stone_id: int, placement: Placement | None) -> None:
-        """Store what the stone weighs, unless it was let go before it hung free.
+        """Store what the stone weighs, unless it was let go before it hung free, or it has slipped.
 
-        Until then the ground carries a part of it, or holds it back.
+        Until it hangs the ground carries a part of it, or holds it back, and a stone that slides
+        jerks at the arm: of 26 weights of such holds five were off by more than 2.5 deviations, and
+        of 269 others nine.
         """
-        weight = self.context.weight()
-        if weight is None or (placement is None and not self.context.is_carried()):
+        weight, is_free = self.context.weight(), self.context.is_carried() or placement is not None
+        if weight is None or not is_free or self.context.verdicts():
             return
         self.context.use(ObjectDatabase).weigh(stone_id, weight, self.context.now_s())
         self.context.record(StoneWeighed(stone_id, weight.mass_kg, weight.std_kg))

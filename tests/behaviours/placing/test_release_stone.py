@@ -15,6 +15,7 @@ from executive.geometry.rotation import from_rpy
 from executive.messages.hold import Hold
 from executive.messages.segment import Segment
 from executive.messages.stone import StoneState
+from executive.messages.verdict import Trouble, Verdict
 from executive.messages.weight import Weight
 from tests.behaviours.placing.scene import SLOTS, placement, plugins, set_down
 
@@ -118,6 +119,17 @@ def test_a_stone_that_is_let_go_before_it_hung_free_keeps_no_weight(
     assert database.stone(1).weight == (weight if carried else None)
     told = any(isinstance(one, StoneWeighed) for one in world.leaf_context.events)
     assert told is carried
+
+
+def test_what_was_weighed_of_a_stone_that_has_slipped_is_not_kept(world, database):
+    context = world.leaf_context
+    context.weighed, context.carried = Weight(1500.0, 30.0), True
+    context.troubles.append(Verdict(1.0, "hold_state", Trouble.SLIP, "it slid"))
+    assert (
+        world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0])).status == "SUCCESS"
+    )
+    assert database.stone(1).weight is None
+    assert not any(isinstance(one, StoneWeighed) for one in context.events)
 
 
 def test_what_was_weighed_is_kept_with_the_stone(world, database):
