@@ -12,7 +12,7 @@ import yaml
 from executive.clouds.ply_writer import write_parts
 from executive.commands.grasps.answer import lines, plan_answer, write_answer
 from executive.commands.grasps.machine_place import beside, standing
-from executive.commands.grasps.picture import draw_grasp
+from executive.commands.grasps.picture import draw_grasp, touching_rad
 from executive.commands.grasps.scene import read_scene
 from executive.errors import ConfigError, DataError
 from executive.machine.machine import load_machine
@@ -158,3 +158,13 @@ def test_a_picture_without_any_point_near_is_still_drawn(tmp_path: Path) -> None
     far = np.full((3, 3), 90.0)
     draw_grasp(tmp_path / "far.png", PLAN.grasps[0], far, far, load_machine("mini").gripper, "far")
     assert (tmp_path / "far.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_jaws_of_a_picture_are_closed_on_the_stone() -> None:
+    gripper = load_machine("m545").gripper
+    wide_m, tip_m = 0.9, gripper.tips(0.5)[0][0]
+    faces = [[tip_m, side * wide_m / 2, z] for side in (-1, 1) for z in np.linspace(-0.3, 0.3, 31)]
+    angle_rad = touching_rad(gripper, np.array(faces), gripper.open_rad)
+    left, right = gripper.tips(angle_rad)
+    assert left[1] - right[1] == pytest.approx(wide_m, abs=0.2)
+    assert touching_rad(gripper, np.array(faces) + (9.0, 0.0, 0.0), gripper.open_rad) == 0.0

@@ -1,5 +1,5 @@
-"""The picture of a grasp: the open gripper about its stone, from the side, along the jaws, and in
-space.
+"""The picture of a grasp: the gripper closed on its stone, from the side, along the jaws, and in
+space. Where the jaws open is drawn faintly.
 """
 
 from pathlib import Path
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
+from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.pose import inverse, transform
 from executive.machine.gripper import Gripper
 from executive.messages.grasp import Grasp
@@ -17,6 +18,8 @@ from executive.messages.grasp import Grasp
 _STONE, _AROUND, _PALM, _JAWS = "#b5523b", "#8f8f8f", "#5b6770", "#e0a100"
 _WINDOW_M = 1.15  # of the widest opening: what is drawn to each side of the palm
 _MOST_POINTS = 6000
+_STEP_RAD = 0.02
+_OPEN, _CLOSED = 0.12, 0.5  # opacities
 
 
 def draw_grasp(
@@ -42,8 +45,10 @@ def draw_grasp(
         figure.add_subplot(1, 3, i + 1, **kind)
         for i, kind in enumerate(({}, {}, {"projection": "3d"}))
     )
-    parts = gripper.hulls(gripper.jaw_rad(min(grasp.opening_m, gripper.max_opening_m)))
+    open_rad = gripper.jaw_rad(min(grasp.opening_m, gripper.max_opening_m))
+    parts = gripper.hulls(touching_rad(gripper, transform(T, stone), open_rad))
     _draw_view(side, shown, parts, (1, 0), (half_m, gripper.jaw_width_m / 2))
+    _draw_parts(side, gripper.hulls(open_rad), (1, 0), _OPEN)
     side.set(
         xlabel="opening [m]", ylabel="along the approach [m]", title="a slice as wide as the jaws"
     )
@@ -60,6 +65,24 @@ def draw_grasp(
     figure.savefig(path, dpi=110)
 
 
+def touching_rad(gripper: Gripper, stone_gripper: Float, open_rad: float) -> float:
+    """Return the angle at which jaws that close from an angle touch a stone; 0 if they do not.
+
+    Args:
+        gripper: The gripper.
+        stone_gripper: Points of the stone in the gripper's frame [m], shape (N, 3).
+        open_rad: The angle from which they close.
+    """
+    angle_rad = open_rad
+    while angle_rad > 0:
+        parts = gripper.hulls(angle_rad)
+        for hull in (hull for name in gripper.links for hull in parts[name]):
+            if (depth_inside(half_spaces(hull), stone_gripper) > 0).any():
+                return angle_rad
+        angle_rad -= _STEP_RAD
+    return 0.0
+
+
 def _draw_view(
     axes: Any, shown: list[Float], parts: Any, ij: tuple[int, int], reach_m: tuple[float, float]
 ) -> None:
@@ -70,12 +93,16 @@ def _draw_view(
     for points, colour in zip(shown, (_AROUND, _STONE), strict=True):
         near = points[np.abs(points[:, 3 - i - j]) <= slice_m]
         axes.plot(near[:, i], near[:, j], ".", markersize=2, color=colour)
+    _draw_parts(axes, parts, ij, _CLOSED)
+    axes.set(aspect="equal", xlim=(-half_m, half_m), ylim=(1.5 * half_m, -0.6 * half_m))
+
+
+def _draw_parts(axes: Any, parts: Any, ij: tuple[int, int], opacity: float) -> None:
     for name, hulls in parts.items():
         for hull in hulls:
-            flat = hull[:, [i, j]]
+            flat = hull[:, ij]
             outline = flat[ConvexHull(flat).vertices]
-            axes.fill(*outline.T, color=_PALM if name == "palm" else _JAWS, alpha=0.5)
-    axes.set(aspect="equal", xlim=(-half_m, half_m), ylim=(1.5 * half_m, -0.6 * half_m))
+            axes.fill(*outline.T, color=_PALM if name == "palm" else _JAWS, alpha=opacity)
 
 
 def _draw_space(axes: Any, shown: list[Float], parts: Any, T_map_gripper: Float) -> None:
