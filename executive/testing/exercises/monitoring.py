@@ -8,6 +8,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.interfaces.monitoring import Monitor
 from executive.machine.machine import Machine
+from executive.messages.ground_below import GroundBelow
 from executive.messages.joints import JointSample
 from executive.messages.verdict import Verdict
 from executive.testing.exercise import Exercise
@@ -81,6 +82,9 @@ class MonitoringExercise(Exercise[Monitor, MonitoringInputs]):
             ),
             "the end of a hold that never began": lambda monitor: monitor.end_hold(),
             "a carry of a hold that never began": lambda monitor: monitor.begin_carry(),
+            "ground below a hold that never began": lambda monitor: monitor.carry_over(
+                GroundBelow(np.zeros(2), np.zeros((4, 4)), 0.5)
+            ),
             "two holds without an end between them": lambda monitor: (
                 monitor.begin_hold(),
                 monitor.begin_hold(),
