@@ -7,7 +7,7 @@ from pydantic import Field
 
 from executive.config import Meters, Seconds, Settings
 from executive.events.stone import StoneNotLifted
-from executive.geometry.pose import inverse, transform
+from executive.geometry.pose import inverse
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
 from executive.interfaces.motion import MotionPlanner
@@ -131,8 +131,9 @@ class TrialLift(Action[TrialLiftSettings]):
         T_base_map = inverse(context.state().T_map_base)
         cloud = yield from surroundings(context, hold.stone_id)
         T_base_gripper = T_base_map @ context.gripper()
-        points = transform(T_base_map, cloud.points)
-        return (yield from context.job(ground_below, points, held, T_base_gripper))
+        return (
+            yield from context.job(ground_below, cloud.points, T_base_map, held, T_base_gripper)
+        )
 
 
 def _borne(weight: Weight, stone: Stone, up_m: float) -> str:

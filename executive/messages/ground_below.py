@@ -38,16 +38,20 @@ class GroundBelow:
         return float(T_base_gripper[2, 3] - self.hangs_m - self.highest_m[i, j])
 
 
-def ground_below(points_base: Float, held_gripper: Float, T_base_gripper: Float) -> GroundBelow:
+def ground_below(
+    points_map: Float, T_base_map: Float, held_gripper: Float, T_base_gripper: Float
+) -> GroundBelow:
     """Return it for a stone in the jaws that hangs, and turns about the vertical alone.
 
     Args:
-        points_base: The surroundings without the stone [m], shape (N, 3).
+        points_map: The surroundings without the stone in the map [m], shape (N, 3).
+        T_base_map: Pose of the map in the base frame, shape (4, 4).
         held_gripper: The stone's surface in the gripper's frame [m], shape (M, 3).
         T_base_gripper: Pose of the gripper now, shape (4, 4).
     """
     from scipy.ndimage import maximum_filter  # slow to import: reading a mission needs none
 
+    points_base = transform(T_base_map, points_map)
     hanging = transform(T_base_gripper, held_gripper) - T_base_gripper[:3, 3]
     reach_m = float(np.linalg.norm(hanging[:, :2], axis=1).max())
     corner = points_base[:, :2].min(axis=0) if len(points_base) else np.zeros(2)

@@ -112,8 +112,8 @@ class Site:
         share = float(np.mean(self.masses_kg)) / least_kg(stone, (), trial.borne)
         if share >= 1.0:
             T_base_map = inverse(self.world.T_world_base)
-            around = transform(T_base_map, self.surroundings(others).points)
-            below = ground_below(around, held, T_base_map @ self.gripper())
+            around, T_base_gripper = self.surroundings(others).points, T_base_map @ self.gripper()
+            below = ground_below(around, T_base_map, held, T_base_gripper)
             for monitor in self.plugins["monitoring"]:
                 monitor.begin_carry()
                 monitor.carry_over(below)
