@@ -90,6 +90,7 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         self.context.show(f"stones/{stone.id}", stone)
         self._record(stone, placement)
         self._keep_weight(stone.id, placement)
+        self._keep_grasp(stone, T_map_gripper, placement)
         return succeeded()
 
     def _keep_weight(self, stone_id: int, placement: Placement | None) -> None:
@@ -104,6 +105,13 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
             return
         self.context.use(ObjectDatabase).weigh(stone_id, weight, self.context.now_s())
         self.context.record(StoneWeighed(stone_id, weight.mass_kg, weight.std_kg))
+
+    def _keep_grasp(self, stone: Stone, T_map_gripper: Float, placement: Placement | None) -> None:
+        """Store how the stone was held, if it was on the whole way to its place."""
+        if placement is not None and not self.context.verdicts():
+            T_object_gripper = inverse(stone.T_map_object) @ T_map_gripper
+            now_s = self.context.now_s()
+            self.context.use(ObjectDatabase).keep_grasp(stone.id, T_object_gripper, now_s)
 
     def _opening_rad(self, hold: Hold, T_map_gripper: Float) -> float:
         """Return the angle at which the jaws come free of the stone, as far as there is room."""

@@ -83,6 +83,12 @@ class ObjectDatabase(Plugin, ABC):
         """Note what the stone weighs; by default it is not kept."""
         return self.stone(stone_id)
 
+    def keep_grasp(self, stone_id: int, T_object_gripper: Float, stamp_s: float) -> Stone:
+        """Note a pose of the gripper in the stone's frame that has held it on its whole way; by
+        default it is not kept.
+        """
+        return self.stone(stone_id)
+
     @abstractmethod
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:
         """Change the stone's state only."""

@@ -1,6 +1,6 @@
 """A stone that the machine keeps track of."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -44,6 +44,8 @@ class Stone:
             origin is the centroid and its axes are those of the map.
         seen_from_above: Whether a drone survey's points are part of the model.
         weight: What it weighs; None until it was lifted and weighed.
+        T_object_gripper: Grasps that have held it on the whole way to a place, oldest first: poses
+            of the gripper in the object's frame, shape (K, 4, 4).
     """
 
     id: int
@@ -53,11 +55,14 @@ class Stone:
     T_map_object: Float
     seen_from_above: bool
     weight: Weight | None = None
+    T_object_gripper: Float = field(default_factory=lambda: np.empty((0, 4, 4)))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points_map", checked("points_map", self.points_map, None, 3))
         object.__setattr__(self, "centroid_map", checked("centroid_map", self.centroid_map, 3))
         object.__setattr__(self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4))
+        grasps = checked("T_object_gripper", self.T_object_gripper, None, 4, 4)
+        object.__setattr__(self, "T_object_gripper", grasps)
 
     @property
     def reach_m(self) -> float:

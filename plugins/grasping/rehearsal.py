@@ -72,6 +72,12 @@ class Rehearsed:
         return round(self.slip_m + _PUSH_WEIGHT * self.push_m, 2)
 
 
+# A grasp that has held the stone itself on a whole way: as many lifts as all that a grasp gets.
+# Over four missions with four rounds, 46 of 52 grasps within 10 cm and 14° of one that had held
+# the stone before held it again, and 15 of 27 others.
+HELD = Rehearsed(slip_m=0.0, push_m=0.0, least_slip_m=0.0, lifted=1.0, made=_DRAWN + len(_RAISED))
+
+
 class Rehearsal(ABC):
     """Lifts grasps, and judges them by it.
 

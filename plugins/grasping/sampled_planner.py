@@ -10,7 +10,7 @@ import numpy as np
 from executive_plugins.grasping.feasibility.approach_path import ApproachPath
 from executive_plugins.grasping.feasibility.arm_reach import ArmReach
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
-from executive_plugins.grasping.rehearsal import Rehearsed, rehearsal_of
+from executive_plugins.grasping.rehearsal import HELD, Rehearsed, rehearsal_of
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
 from executive_plugins.grasping.sampling.ranking import (
@@ -140,7 +140,8 @@ class SampledPlanner(GraspPlanner):
                 f"{self._machine.gripper.max_opening_m:.2f} m"
             )
             return GraspPlan((), {"wider_than_opening": 1}, detail=detail)
-        pool = self._sampler.pool(scene, rng)
+        held_before = target.T_map_object @ target.T_object_gripper
+        pool = self._sampler.pool(scene, rng, held_before)
         refused = _Refused(pool.refused)
         grasps = (
             self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), load, refused)
@@ -182,21 +183,24 @@ class SampledPlanner(GraspPlanner):
 
         Each grasp that is returned has been lifted, as the later ones are for attempts after a
         failure. Where the worth is telling, simulation stops once there are enough firm grasps and
-        no other one can become the best; the best is lifted again to confirm it.
+        no other one can become the best; the best is lifted again to confirm it. Grasps that have
+        held the stone before come first, and what they held counts as lifts that were made.
         """
         s, order, lifts = self._settings, self.ordered(scene, pool), self._lifts(scene, load)
         found: list[_Lifted] = []
         firm, best = 0, -np.inf
-        attainable = self._attainable(scene, pool, order.indices, T_map_base, load, refused)
+        indices = _known_first(pool, order.indices)
+        attainable = self._attainable(scene, pool, indices, T_map_base, load, refused)
         for tried, (i, T_map_gripper) in enumerate(attainable, start=1):
             worth, rehearsal = float(order.worth[i]), self._rehearsal
             if order.is_telling and firm >= _ENOUGH and best >= rehearsal.highest(worth):
                 break
             predicted = worth if order.is_telling else None
             seen = self._rehearsed(lifts, pool, i, predicted, best)
-            score = worth if seen is None else rehearsal.score(worth, order.is_telling, seen)
-            firm += seen is not None and rehearsal.is_firm(seen)
-            if seen is not None and rehearsal.slips(seen, s.max_slip_m):
+            known = None if seen is None else _with_past(seen, pool, i)
+            score = worth if known is None else rehearsal.score(worth, order.is_telling, known)
+            firm += known is not None and rehearsal.is_firm(known)
+            if known is not None and rehearsal.slips(known, s.max_slip_m):
                 refused["slips"] += 1
             elif score < order.least_score:
                 refused["unlikely"] += 1
@@ -237,7 +241,8 @@ class SampledPlanner(GraspPlanner):
             T, jaw_rad = pose(pool.R[i], pool.position[i]), float(pool.jaw_rad[i])
             depth_m = -float(pool.costs["shallow_m"][i])
             best.seen = rehearsal.confirmed(lifts, T, jaw_rad, depth_m, best.seen)
-            score = rehearsal.score(best.worth, True, best.seen)
+            known = _with_past(best.seen, pool, i)
+            score = rehearsal.score(best.worth, True, known)
             costs = {**best.grasp.costs, **_costs_of(best.seen)}
             best.grasp = replace(best.grasp, score=score, costs=costs)
 
@@ -293,6 +298,17 @@ class SampledPlanner(GraspPlanner):
                 refused["gripper_in_cloud"] += 1
             else:
                 yield i, T_map_gripper
+
+
+def _known_first(pool: Pool, order: Iterable[int]) -> Iterator[int]:
+    """Yield the grasps that have held the stone, then the others in their order."""
+    yield from (int(i) for i in np.flatnonzero(pool.has_held))
+    yield from (i for i in order if not pool.has_held[i])
+
+
+def _with_past(seen: Rehearsed, pool: Pool, i: int) -> Rehearsed:
+    """Return what came of the lifts of a grasp, with the time that it held the stone."""
+    return seen.joined(HELD) if pool.has_held[i] else seen
 
 
 def _costs_at(i: int, *costs: Mapping[str, Float]) -> dict[str, float]:

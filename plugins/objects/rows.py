@@ -2,7 +2,7 @@
 
 import sqlite3
 
-from executive_plugins.objects.schema import pack_pose, unpack_pose
+from executive_plugins.objects.schema import GRASPS, pack_pose, unpack_pose
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -45,3 +45,18 @@ def add_event(
         "SELECT id, ?, ?, ?, T_map_object, ? FROM stones WHERE id = ?",
         (stamp_s, kind, state, note, stone_id),
     )
+
+
+def add_grasp(db: sqlite3.Connection, stone_id: int, T: Float, stamp_s: float) -> None:
+    """Keep a pose of the gripper in a stone's frame, shape (4, 4), that has held it."""
+    db.execute(GRASPS)  # a file of an older run has no table for it
+    db.execute(
+        "INSERT INTO grasps (stone_id, T_object_gripper, stamp_s) VALUES (?, ?, ?)",
+        (stone_id, pack_pose(T), stamp_s),
+    )
+
+
+def forget_grasps(db: sqlite3.Connection, stone_id: int) -> None:
+    """Delete the grasps that held a stone."""
+    db.execute(GRASPS)
+    db.execute("DELETE FROM grasps WHERE stone_id = ?", (stone_id,))

@@ -1,6 +1,7 @@
 """The tables of the database: stones as they are now, and the events of their history."""
 
 import sqlite3
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from executive_plugins.objects.surface import unpack
@@ -41,6 +42,15 @@ CREATE TABLE IF NOT EXISTS weights (
     stone_id INTEGER PRIMARY KEY REFERENCES stones(id),
     mass_kg REAL NOT NULL,
     std_kg REAL NOT NULL,             -- standard deviation
+    stamp_s REAL NOT NULL
+);
+"""
+
+GRASPS = """
+CREATE TABLE IF NOT EXISTS grasps (
+    id INTEGER PRIMARY KEY,
+    stone_id INTEGER NOT NULL REFERENCES stones(id),
+    T_object_gripper BLOB NOT NULL,   -- of a grasp that held the stone on its whole way
     stamp_s REAL NOT NULL
 );
 """
@@ -89,15 +99,38 @@ def unpack_pose(blob: bytes) -> Float:
 
 def read_weights(connection: sqlite3.Connection) -> dict[int, Weight]:
     """Return the weighed masses by the stones' ids; none in a file without their table."""
-    query = "SELECT 1 FROM sqlite_master WHERE name = 'weights'"
-    if connection.execute(query).fetchone() is None:
+    if not _has_table(connection, "weights"):
         return {}
     rows = connection.execute("SELECT stone_id, mass_kg, std_kg FROM weights").fetchall()
     return {row["stone_id"]: Weight(row["mass_kg"], row["std_kg"]) for row in rows}
 
 
-def read_stone(row: sqlite3.Row, weight: Weight | None = None) -> Stone:
-    """Build a stone from its row, and what it weighs."""
+def read_grasps(connection: sqlite3.Connection) -> dict[int, list[Float]]:
+    """Return the grasps that held stones, oldest first, by the stones' ids; none in a file without
+    their table.
+    """
+    found: dict[int, list[Float]] = {}
+    if _has_table(connection, "grasps"):
+        query = "SELECT stone_id, T_object_gripper FROM grasps ORDER BY id"
+        for row in connection.execute(query).fetchall():
+            found.setdefault(row["stone_id"], []).append(unpack_pose(row["T_object_gripper"]))
+    return found
+
+
+def _has_table(connection: sqlite3.Connection, name: str) -> bool:
+    query = "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?"
+    return connection.execute(query, (name,)).fetchone() is not None
+
+
+def read_stones(connection: sqlite3.Connection, rows: Iterable[sqlite3.Row]) -> tuple[Stone, ...]:
+    """Build stones from their rows, what they weigh, and the grasps that held them."""
+    weights, grasps = read_weights(connection), read_grasps(connection)
+    return tuple(
+        _read_stone(row, weights.get(row["id"]), grasps.get(row["id"], ())) for row in rows
+    )
+
+
+def _read_stone(row: sqlite3.Row, weight: Weight | None, grasps: Sequence[Float]) -> Stone:
     T = unpack_pose(row["T_map_object"])
     points = transform(T, unpack(row["points_object"]))
     return Stone(
@@ -108,6 +141,7 @@ def read_stone(row: sqlite3.Row, weight: Weight | None = None) -> Stone:
         T_map_object=T,
         seen_from_above=bool(row["seen_from_above"]),
         weight=weight,
+        T_object_gripper=np.array(grasps).reshape(-1, 4, 4),
     )
 
 

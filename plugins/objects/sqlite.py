@@ -16,14 +16,13 @@ from executive_plugins.objects.association import (
 )
 from executive_plugins.objects.database_file import open_file, transaction
 from executive_plugins.objects.growth import merged
-from executive_plugins.objects.rows import add_event, move_row, row_of
+from executive_plugins.objects.rows import add_event, add_grasp, forget_grasps, move_row, row_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.schema import (
     WEIGHTS,
     pack_pose,
     read_event,
-    read_stone,
-    read_weights,
+    read_stones,
     unpack_pose,
 )
 from executive_plugins.objects.settings import SqliteObjectsSettings
@@ -106,13 +105,12 @@ class SqliteObjects(ObjectDatabase):
             self._lock,
             closing(self._connection().execute("SELECT * FROM stones ORDER BY id")) as rows,
         ):
-            weights = read_weights(self._connection())
-            return tuple(read_stone(row, weights.get(row["id"])) for row in rows)
+            return read_stones(self._connection(), rows)
 
     def stone(self, stone_id: int) -> Stone:
         """Return one stone as it is now."""
         with self._lock:
-            return read_stone(self._row(stone_id), read_weights(self._connection()).get(stone_id))
+            return read_stones(self._connection(), [self._row(stone_id)])[0]
 
     def history(self, stone_id: int) -> tuple[StoneEvent, ...]:
         """Return the events of a stone, oldest first."""
@@ -180,6 +178,14 @@ class SqliteObjects(ObjectDatabase):
                 "INSERT OR REPLACE INTO weights VALUES (?, ?, ?, ?)",
                 (stone_id, weight.mass_kg, weight.std_kg, stamp_s),
             )
+        return self.stone(stone_id)
+
+    def keep_grasp(self, stone_id: int, T_object_gripper: Float, stamp_s: float) -> Stone:
+        """Store a grasp that held the stone on its whole way."""
+        self._row(stone_id)
+        T = checked("T_object_gripper", T_object_gripper, 4, 4)
+        with self._transaction() as db:
+            add_grasp(db, stone_id, T, stamp_s)
         return self.stone(stone_id)
 
     def set_state(self, stone_id: int, state: StoneState, stamp_s: float) -> Stone:
@@ -313,6 +319,8 @@ class SqliteObjects(ObjectDatabase):
         if sighting.is_too_large:
             add_event(db, stone.id, stamp_s, "seen", state, f"{told}: too much, nothing added")
             return
+        if sighting.kind == "replaced":
+            forget_grasps(db, stone.id)  # how the surface lies in the object's frame is new
         from_above = seen_from_above or (sighting.kind != "replaced" and stone.seen_from_above)
         db.execute(
             "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = "

@@ -45,6 +45,14 @@ class Hypotheses:
     anchor: Float
     is_centred: Bool
 
+    def followed_by(self, other: "Hypotheses") -> "Hypotheses":
+        """Return these approaches, then others."""
+        return Hypotheses(
+            np.concatenate([self.R, other.R]),
+            np.concatenate([self.anchor, other.anchor]),
+            np.concatenate([self.is_centred, other.is_centred]),
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clearance:

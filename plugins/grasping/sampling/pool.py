@@ -20,7 +20,8 @@ from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud, bu
 from executive_plugins.grasping.sampling.ranking import hold_costs, paper_costs
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 
-from executive.arrays import Float, Int
+from executive.arrays import Bool, Float, Int
+from executive.geometry.pose import inverse
 from executive.geometry.voxels import compile_voxel_means
 from executive.machine.gripper import Gripper
 
@@ -42,6 +43,7 @@ class Pool:
         jaw_rad: Jaw angle at which the first jaw touches [rad], shape (M,).
         costs: The costs of the paper and those of the hold, by name, each of shape (M,).
         refused: Number of refused hypotheses by reason.
+        has_held: Whether the stone was held so before, on the whole way to a place, shape (M,).
     """
 
     R: Float
@@ -49,6 +51,7 @@ class Pool:
     jaw_rad: Float
     costs: Mapping[str, Float]
     refused: Counter[str]
+    has_held: Bool
 
     def __len__(self) -> int:
         return len(self.R)
@@ -56,7 +59,8 @@ class Pool:
     def taken(self, index: Int) -> "Pool":
         """Return the grasps at some indices, in that order."""
         costs = {name: cost[index] for name, cost in self.costs.items()}
-        return Pool(self.R[index], self.position[index], self.jaw_rad[index], costs, self.refused)
+        parts = (self.R[index], self.position[index], self.jaw_rad[index])
+        return Pool(*parts, costs, self.refused, self.has_held[index])
 
 
 class Sampler:
@@ -90,10 +94,20 @@ class Sampler:
             stone_map, cloud_map, margin_m, spacing_m, rng, scale, into_soil_m
         )
 
-    def pool(self, scene: PlanningCloud, rng: np.random.Generator) -> Pool:
-        """Sample approaches, push and close each, and keep those that hold (Sec. 5.3)."""
+    def pool(
+        self, scene: PlanningCloud, rng: np.random.Generator, T_map_gripper: Float | None = None
+    ) -> Pool:
+        """Sample approaches, push and close each, and keep those that hold (Sec. 5.3).
+
+        Args:
+            scene: The planning cloud.
+            rng: Draws the approaches.
+            T_map_gripper: Grasps that have held the stone before, which are tried, too, ahead of
+                the others, shape (K, 4, 4).
+        """
         s, field = self._settings, self._field()
-        tried, too_steep = self._hypotheses(scene, rng)
+        sampled, too_steep = self._hypotheses(scene, rng)
+        tried = self._known(scene, T_map_gripper).followed_by(sampled)
         clearance = Clearance(
             *(
                 s.scale * x
@@ -111,7 +125,19 @@ class Sampler:
         costs = paper_costs(R, position, scene.centre, scene.ground.normal)
         costs |= hold_costs(field, holds, held, R, scene.centre)
         jaw_rad = field.jaw_rad[holds.progress[held].min(axis=1)]
-        return Pool(R, position, jaw_rad, costs, refused)
+        has_held = held < len(tried.R) - len(sampled.R)
+        return Pool(R, position, jaw_rad, costs, refused, has_held)
+
+    def _known(self, scene: PlanningCloud, T_map_gripper: Float | None) -> Hypotheses:
+        """Return the approaches of grasps that held the stone, the newest first.
+
+        A stone that has turned since may lie so that one is too far off the vertical.
+        """
+        T_map = np.empty((0, 4, 4)) if T_map_gripper is None else T_map_gripper[::-1]
+        T = inverse(scene.T_map_plan) @ T_map
+        down = -T[:, :3, 0] @ scene.ground.normal
+        T = T[down >= np.cos(self._settings.max_tilt_rad)]
+        return Hypotheses(T[:, :3, :3], T[:, :3, 3], np.zeros(len(T), dtype=bool))
 
     def _hypotheses(self, scene: PlanningCloud, rng: np.random.Generator) -> tuple[Hypotheses, int]:
         """Return the approaches to try, and the number of those that were too far off the vertical.

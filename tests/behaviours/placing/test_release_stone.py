@@ -36,6 +36,21 @@ def test_a_stone_is_released_on_its_slot(world, database):
     assert plugins(world)["mapping"].masks == [0.0]
 
 
+def test_how_a_stone_was_held_on_its_whole_way_is_kept(world, database):
+    world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
+    stone, T_map_gripper = database.stone(1), world.leaf_context.gripper()
+    (T_object_gripper,) = stone.T_object_gripper
+    np.testing.assert_allclose(stone.T_map_object @ T_object_gripper, T_map_gripper, atol=1e-9)
+
+
+@pytest.mark.parametrize("slipped", [False, True])
+def test_how_a_stone_was_held_that_slipped_or_was_let_go_is_not_kept(world, database, slipped):
+    if slipped:
+        world.leaf_context.troubles.append(Verdict(3.0, "hold_state", Trouble.SLIP, "it slid"))
+    world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]) if slipped else None)
+    assert len(database.stone(1).T_object_gripper) == 0
+
+
 @pytest.mark.parametrize(
     ("half_m", "neighbour_m", "opening_m"),
     [(0.6, None, 1.3), (0.6, 0.62, 1.2), (0.2, None, None), (0.2, 0.25, 0.66)],

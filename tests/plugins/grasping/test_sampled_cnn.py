@@ -225,7 +225,8 @@ def test_likely_successes_come_in_the_order_of_the_paper_or_all_by_their_success
     planner = SampledCnn(settings, machine, None)  # type: ignore[arg-type]
     costs = {name: np.zeros(5) for name in ("align_rad", "enclose_m")}
     costs["distance_m"] = np.array([0.1, 0.4, 0.2, 0.3, 0.0])
-    pool = Pool(np.zeros((5, 3, 3)), np.zeros((5, 3)), np.zeros(5), costs, Counter())
+    nothing = np.zeros(5, dtype=bool)
+    pool = Pool(np.zeros((5, 3, 3)), np.zeros((5, 3)), np.zeros(5), costs, Counter(), nothing)
     order = planner.ordered(None, pool)  # type: ignore[arg-type]
     assert list(order.indices) == expected
     np.testing.assert_array_equal(order.costs["failure"], 1 - likely)

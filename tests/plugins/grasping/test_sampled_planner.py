@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from executive_plugins.grasping import sampled_planner
+from executive_plugins.grasping.rehearsal import HELD, Rehearsed
 from executive_plugins.grasping.sampled_planner import Order, SampledPlanner
 from executive_plugins.grasping.sampling.pool import Pool
 
@@ -36,12 +37,16 @@ def stone(points: int = 20, weight: Weight | None = None) -> Stone:
     return Stone(1, next(iter(StoneState)), np.zeros((points, 3)), zero, np.eye(4), False, weight)
 
 
-def pool(count: int = 6, refused: Counter[str] | None = None) -> Pool:
+def pool(
+    count: int = 6, refused: Counter[str] | None = None, held_before: tuple[int, ...] = ()
+) -> Pool:
     """Return grasps one metre from each other, whose cost is their number."""
     position = np.column_stack([np.arange(count), np.zeros((count, 2))]).astype(float)
     costs = {"align_rad": np.arange(count) / 10, "shallow_m": np.arange(count) / -20}
     refused = Counter() if refused is None else refused
-    return Pool(np.array([np.eye(3)] * count), position, np.arange(count) / 100, costs, refused)
+    has_held = np.isin(np.arange(count), held_before)
+    R, jaw_rad = np.array([np.eye(3)] * count), np.arange(count) / 100
+    return Pool(R, position, jaw_rad, costs, refused, has_held)
 
 
 @dataclass
@@ -50,6 +55,10 @@ class Seen:
 
     slip_m: float
     push_m: float = 0.01
+
+    def joined(self, other: Rehearsed) -> "Seen":
+        assert other is HELD
+        return Seen(self.slip_m / 10, self.push_m)
 
 
 class Rehearsal:
@@ -113,7 +122,7 @@ class Planner(SampledPlanner):
             stance=SimpleNamespace(limits_by_tipping=lambda rule: rule == "by tipping"),
         )
         self._sampler = SimpleNamespace(
-            scene=lambda points, around, rng: SCENE, pool=lambda scene, rng: given
+            scene=lambda points, around, rng: SCENE, pool=lambda scene, rng, known: given
         )
         self._rehearsal = Rehearsal({})
         self._arm = SimpleNamespace(
@@ -225,6 +234,21 @@ def test_grasps_have_their_pose_score_and_costs_best_first() -> None:
     assert [(i, pytest.approx(p), pytest.approx(b)) for i, p, b in planner._rehearsal.asked] == [
         (i, p, b) for i, p, b in expected
     ]
+
+
+def test_what_held_the_stone_before_comes_first_and_that_counts_as_lifts() -> None:
+    """Of two grasps that slip alike in their lifts, the one that has held the stone is better."""
+    planner = Planner(pool(4, held_before=(2,)))
+    planner._rehearsal = Rehearsal(dict.fromkeys(range(4), 0.1))
+    assert numbers(plan(planner))[0] == 2
+    assert [number for number, *_ in planner._rehearsal.asked] == [2, 0, 1, 3]
+    planner._rehearsal = Rehearsal(
+        {2: 2.0}
+    )  # a tenth of it is left, which is as much as is allowed
+    assert numbers(plan(planner)) == [0, 1, 3, 2]
+    planner._rehearsal = Rehearsal({2: 2.1})
+    found = plan(planner)
+    assert (numbers(found), found.refused) == ([0, 1, 3], {"slips": 1})
 
 
 def test_what_slips_too_far_or_is_unlikely_is_refused() -> None:

@@ -168,6 +168,21 @@ def test_a_turned_stone_is_seen_afresh(objects: SqliteObjects) -> None:
     assert np.ptp(stone.points_map[:, 2]) == pytest.approx(1.0, abs=0.06)
 
 
+def test_a_grasp_that_held_a_stone_is_forgotten_once_it_is_seen_afresh(
+    objects: SqliteObjects,
+) -> None:
+    """Nobody knows how the new surface lies to the old one, in whose frame the grasp is."""
+    objects.observe([segment(block((3, 0, 0)))], 0.0, True)
+    objects.keep_grasp(1, np.eye(4), 0.5)
+    pushed = objects.observe([segment(block((3.1, 0, 0)))], 1.0, False)[0]
+    assert objects.history(1)[-1].kind == "moved"
+    assert len(pushed.T_object_gripper) == 1
+    turned = transform(pose(about_axis(np.array([0, 1.0, 0]), np.pi / 2)), block((0, 0, 0), 1))
+    stone = objects.observe([segment(turned + [3.2, 0, 0])], 2.0, False)[0]
+    assert objects.history(1)[-1].kind == "replaced"
+    assert len(stone.T_object_gripper) == 0
+
+
 def test_the_frame_of_a_replaced_stone_moves_by_the_means_of_both_views(
     objects: SqliteObjects,
 ) -> None:

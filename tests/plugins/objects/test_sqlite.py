@@ -3,6 +3,7 @@
 import sqlite3
 import threading
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from executive_plugins.objects.settings import SqliteObjectsSettings
 from executive_plugins.objects.sqlite import SqliteObjects
 
 from executive.arrays import Float
-from executive.errors import ConfigError, DataError
+from executive.errors import ConfigError, DataError, ShapeError
 from executive.geometry.pose import pose, transform
 from executive.geometry.rotation import about_axis, from_rpy
 from executive.messages.cloud import Cloud
@@ -191,6 +192,34 @@ def test_a_reopened_file_gives_the_same_stones(objects: SqliteObjects, path: str
         np.testing.assert_array_equal(old.T_map_object, new.T_map_object)
     lifted = objects.release(2, pose(None, np.array([0, 4.0, 2.0])), 3.0, StoneState.PLACED)
     np.testing.assert_allclose(lifted.centroid_map, [0, 4, 1], atol=0.01)
+
+
+def test_grasps_that_held_a_stone_are_kept_with_it(objects: SqliteObjects, path: str) -> None:
+    one, other = objects.observe([segment(box((3, 0, 0))), segment(box((0, 4, 0)))], 1.0, True)
+    assert one.T_object_gripper.shape == (0, 4, 4)
+    first, second = pose(t=np.array([0.0, 0.1, 0.9])), pose(from_rpy(0.1, 0.2, 0.3))
+    objects.keep_grasp(one.id, first, 2.0)
+    objects.keep_grasp(one.id, second, 3.0)
+    objects.close()
+    objects.open(path)
+    np.testing.assert_array_equal(objects.stone(one.id).T_object_gripper, [first, second])
+    assert len(objects.stones()[1].T_object_gripper) == 0
+    with pytest.raises(DataError, match="no stone 3"):
+        objects.keep_grasp(3, first, 4.0)
+    with pytest.raises(ShapeError, match="T_object_gripper"):
+        objects.keep_grasp(one.id, first[:3], 4.0)
+
+
+def test_a_file_of_an_older_run_has_no_grasps_and_takes_some(
+    objects: SqliteObjects, path: str
+) -> None:
+    objects.observe([segment(box((3, 0, 0)))], 1.0, True)
+    objects.close()
+    with closing(sqlite3.connect(path)) as older:
+        assert older.execute("SELECT 1 FROM sqlite_master WHERE name = 'grasps'").fetchone() is None
+    objects.open(path)
+    assert len(objects.stone(1).T_object_gripper) == 0
+    assert len(objects.keep_grasp(1, np.eye(4), 2.0).T_object_gripper) == 1
 
 
 def test_what_returned_is_on_the_disk_for_another_reader(objects: SqliteObjects, path: str) -> None:
