@@ -10,6 +10,7 @@ import numpy as np
 from executive_plugins.grasping.feasibility.approach_path import ApproachPath
 from executive_plugins.grasping.feasibility.arm_reach import ArmReach
 from executive_plugins.grasping.feasibility.fcl_check import FclCheck
+from executive_plugins.grasping.load import Load, load_of
 from executive_plugins.grasping.rehearsal import HELD, Rehearsed, rehearsal_of
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud
 from executive_plugins.grasping.sampling.pool import Pool, Sampler
@@ -58,15 +59,6 @@ class Order:
     costs: Costs
     is_telling: bool
     least_score: float = -np.inf
-
-
-@dataclass(frozen=True, slots=True)
-class _Load:
-    """Mass of a stone and the least that it may be [kg], and where they come from."""
-
-    mass_kg: float
-    least_kg: float
-    words: str
 
 
 @dataclass(slots=True, eq=False)
@@ -130,7 +122,7 @@ class SampledPlanner(GraspPlanner):
         if len(target.points_map) < _FEW_POINTS:
             return GraspPlan((), {"too_few_points": 1})
         scene = self._sampler.scene(target.points_map, cloud.points, rng)
-        load, limit_kg = self._load(target, scene), self._machine.payload_kg
+        load, limit_kg = load_of(target, scene, self._settings), self._machine.payload_kg
         if load.least_kg > limit_kg:
             detail = f"{load.words}, and the gripper lifts {limit_kg:.0f} kg"
             return GraspPlan((), {"too_heavy": 1}, is_final=True, detail=detail)
@@ -151,15 +143,6 @@ class SampledPlanner(GraspPlanner):
         counts = {reason: n for reason, n in sorted(refused.items()) if n}
         return GraspPlan(grasps, counts, detail=refused.detail)
 
-    def _load(self, target: Stone, scene: PlanningCloud) -> _Load:
-        """Return the weighed mass of a stone, or that of its hull."""
-        weight = target.weight
-        if weight is not None:
-            return _Load(weight.mass_kg, weight.mass_kg - 2 * weight.std_kg, f"weighed: {weight}")
-        mass_kg = scene.volume_m3 * self._settings.density
-        words = f"{mass_kg:.0f} kg by its volume, not weighed"
-        return _Load(mass_kg, mass_kg / self._settings.overload, words)
-
     def paper_order(self, pool: Pool) -> Iterator[int]:
         """Yield the indices of a pool in the order of the paper's stages (Sec. 5.4).
 
@@ -176,7 +159,7 @@ class SampledPlanner(GraspPlanner):
         scene: PlanningCloud,
         pool: Pool,
         T_map_base: Float,
-        load: _Load,
+        load: Load,
         refused: _Refused,
     ) -> tuple[Grasp, ...]:
         """Simulate lifts of the first feasible grasps, and rank them by worth less slip.
@@ -219,7 +202,7 @@ class SampledPlanner(GraspPlanner):
         likely.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
         return tuple(likely[: s.max_grasps])
 
-    def _lifts(self, scene: PlanningCloud, load: _Load) -> dict[float, SimulatedLift]:
+    def _lifts(self, scene: PlanningCloud, load: Load) -> dict[float, SimulatedLift]:
         """Return the simulated lifts of a stone, by how far its unseen foot is drawn in."""
         gripper, normal = self._machine.gripper, scene.ground.normal
         return {
@@ -268,7 +251,7 @@ class SampledPlanner(GraspPlanner):
         pool: Pool,
         order: Iterable[int],
         T_map_base: Float,
-        load: _Load,
+        load: Load,
         refused: _Refused,
     ) -> Iterator[tuple[int, Float]]:
         """Yield index and T_map_gripper of the feasible grasps, in the given order.

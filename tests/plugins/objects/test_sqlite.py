@@ -195,7 +195,7 @@ def test_a_reopened_file_gives_the_same_stones(objects: SqliteObjects, path: str
 
 
 def test_grasps_that_held_a_stone_are_kept_with_it(objects: SqliteObjects, path: str) -> None:
-    one, other = objects.observe([segment(box((3, 0, 0))), segment(box((0, 4, 0)))], 1.0, True)
+    one, _ = objects.observe([segment(box((3, 0, 0))), segment(box((0, 4, 0)))], 1.0, True)
     assert one.T_object_gripper.shape == (0, 4, 4)
     first, second = pose(t=np.array([0.0, 0.1, 0.9])), pose(from_rpy(0.1, 0.2, 0.3))
     objects.keep_grasp(one.id, first, 2.0)
