@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -17,6 +17,12 @@ class RobotSettings(PluginSettings):
     """Settings of every robot backend."""
 
     model: str = Field("m545", description="Folder under robot_models, or a path to one.")
+    ground: Literal["soil", "rock"] = Field(
+        "soil",
+        description="What the machine stands on: soil, into which the teeth of its jaws may be "
+        "pressed as far as its robot.yaml says (`digs_m`), or rock, on which grasps, motion and "
+        "placing keep them above the ground.",
+    )
 
     # Whether the machine is simulated: on the wall clock it then lives in a process of its own.
     is_simulated: ClassVar[bool] = False

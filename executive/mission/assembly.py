@@ -101,13 +101,16 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
 
 
 def _machine(selections: Selections, model: str) -> Machine:
-    """Return the machine; it may tip where the selected robot says so."""
+    """Return the machine; it may tip, and its jaws do not dig, where the robot says so."""
     machine = load_machine(model)
-    robots = [chosen.settings for chosen in selections.get("robot", ())]
-    if not any(isinstance(one, RobotSettings) and one.may_tip for one in robots):
-        return machine
-    stance = machine.stance.model_copy(update={"is_free": True})
-    return machine.model_copy(update={"stance": stance})
+    chosen = [one.settings for one in selections.get("robot", ())]
+    robots = [settings for settings in chosen if isinstance(settings, RobotSettings)]
+    changed: dict[str, object] = {}
+    if any(one.may_tip for one in robots):
+        changed["stance"] = machine.stance.model_copy(update={"is_free": True})
+    if any(one.ground == "rock" for one in robots):
+        changed["gripper"] = machine.gripper.model_copy(update={"digs_m": 0.0})
+    return machine.model_copy(update=changed) if changed else machine
 
 
 def selected_plugins(plugins: Mapping[str, Any]) -> Iterator[tuple[str, str, Plugin]]:

@@ -10,6 +10,7 @@ from executive import registry
 from executive.config import NoSettings
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
+from executive.interfaces.robot import RobotSettings
 from executive.mission import assembly
 from executive.mission.assembly import (
     Assembly,
@@ -135,8 +136,16 @@ def test_a_copy_of_a_plugin_needs_what_that_needs_and_so_on(installed):
 @pytest.mark.parametrize(("may_tip", "is_free"), [(True, True), (False, False)])
 def test_a_machine_may_tip_where_its_robot_says_so(monkeypatch, may_tip, is_free):
     monkeypatch.setattr(assembly, "RobotSettings", SimpleNamespace)
-    chosen = SimpleNamespace(settings=SimpleNamespace(may_tip=may_tip))
+    chosen = SimpleNamespace(settings=SimpleNamespace(may_tip=may_tip, ground="soil"))
     assert assembly._machine({"robot": (chosen,)}, "m545").stance.is_free is is_free
+
+
+@pytest.mark.parametrize(("ground", "digs_m"), [("soil", 0.1), ("rock", 0.0)])
+def test_the_jaws_of_a_machine_go_into_the_ground_unless_it_is_rock(ground, digs_m):
+    chosen = SimpleNamespace(settings=RobotSettings(ground=ground))
+    machine = assembly._machine({"robot": (chosen,)}, "m545")
+    assert machine.gripper.digs_m == digs_m
+    assert not machine.stance.is_free
 
 
 class Closing(Plugin):

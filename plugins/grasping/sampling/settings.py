@@ -48,6 +48,7 @@ class SamplingSettings(PluginSettings):
         ge=0,
         le=0.5,
         description="How far the tips may go below the ground beside the stone [m]: by default as "
-        "far as the gripper digs (`digs_m` of robot.yaml); 0 on rock or concrete.",
+        "far as the gripper digs (`digs_m` of robot.yaml); 0 where tips below a stone are in the "
+        "way where it is set down.",
     )
     density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")
