@@ -52,11 +52,12 @@ class Rehearsed:
     lifted: float
     made: int
 
-    def joined(self, other: "Rehearsed") -> "Rehearsed":
-        """Return what came of these lifts and of others."""
-        n = self.made + other.made
+    def joined(self, other: "Rehearsed", times: int = 1) -> "Rehearsed":
+        """Return what came of these lifts and of others, which were made so often."""
+        more = times * other.made
+        n = self.made + more
         mean = [
-            (self.made * a + other.made * b) / n
+            (self.made * a + more * b) / n
             for a, b in (
                 (self.slip_m, other.slip_m),
                 (self.push_m, other.push_m),

@@ -167,7 +167,7 @@ class SampledPlanner(GraspPlanner):
         Each grasp that is returned has been lifted, as the later ones are for attempts after a
         failure. Where the worth is telling, simulation stops once there are enough firm grasps and
         no other one can become the best; the best is lifted again to confirm it. Grasps that have
-        held the stone before come first, and what they held counts as lifts that were made.
+        held the stone before come first, and each time counts as lifts that were made.
         """
         s, order, lifts = self._settings, self.ordered(scene, pool), self._lifts(scene, load)
         found: list[_Lifted] = []
@@ -285,13 +285,14 @@ class SampledPlanner(GraspPlanner):
 
 def _known_first(pool: Pool, order: Iterable[int]) -> Iterator[int]:
     """Yield the grasps that have held the stone, then the others in their order."""
-    yield from (int(i) for i in np.flatnonzero(pool.has_held))
-    yield from (i for i in order if not pool.has_held[i])
+    yield from (int(i) for i in np.flatnonzero(pool.times_held))
+    yield from (i for i in order if not pool.times_held[i])
 
 
 def _with_past(seen: Rehearsed, pool: Pool, i: int) -> Rehearsed:
-    """Return what came of the lifts of a grasp, with the time that it held the stone."""
-    return seen.joined(HELD) if pool.has_held[i] else seen
+    """Return what came of the lifts of a grasp, with the times that it held the stone."""
+    times = int(pool.times_held[i])
+    return seen.joined(HELD, times) if times else seen
 
 
 def _costs_at(i: int, *costs: Mapping[str, Float]) -> dict[str, float]:

@@ -17,10 +17,16 @@ from executive_plugins.grasping.sampling.closing import (
 from executive_plugins.grasping.sampling.frames import downward_frames, local_frames, turned_frames
 from executive_plugins.grasping.sampling.jaw_field import JawField, build_jaw_field
 from executive_plugins.grasping.sampling.planning_cloud import PlanningCloud, build_planning_cloud
-from executive_plugins.grasping.sampling.ranking import hold_costs, paper_costs
+from executive_plugins.grasping.sampling.ranking import (
+    SPREAD_M,
+    SPREAD_RAD,
+    first_alike,
+    hold_costs,
+    paper_costs,
+)
 from executive_plugins.grasping.sampling.settings import SamplingSettings
 
-from executive.arrays import Bool, Float, Int
+from executive.arrays import Float, Int
 from executive.geometry.pose import inverse
 from executive.geometry.voxels import compile_voxel_means
 from executive.machine.gripper import Gripper
@@ -43,7 +49,7 @@ class Pool:
         jaw_rad: Jaw angle at which the first jaw touches [rad], shape (M,).
         costs: The costs of the paper and those of the hold, by name, each of shape (M,).
         refused: Number of refused hypotheses by reason.
-        has_held: Whether the stone was held so before, on the whole way to a place, shape (M,).
+        times_held: How often the stone was held so before, on the whole way to a place, shape (M,).
     """
 
     R: Float
@@ -51,7 +57,7 @@ class Pool:
     jaw_rad: Float
     costs: Mapping[str, Float]
     refused: Counter[str]
-    has_held: Bool
+    times_held: Int
 
     def __len__(self) -> int:
         return len(self.R)
@@ -60,7 +66,7 @@ class Pool:
         """Return the grasps at some indices, in that order."""
         costs = {name: cost[index] for name, cost in self.costs.items()}
         parts = (self.R[index], self.position[index], self.jaw_rad[index])
-        return Pool(*parts, costs, self.refused, self.has_held[index])
+        return Pool(*parts, costs, self.refused, self.times_held[index])
 
 
 class Sampler:
@@ -107,7 +113,9 @@ class Sampler:
         """
         s, field = self._settings, self._field()
         sampled, too_steep = self._hypotheses(scene, rng)
-        tried = self._known(scene, T_map_gripper).followed_by(sampled)
+        known, times = self._known(scene, T_map_gripper)
+        tried = known.followed_by(sampled)
+        times = np.concatenate([times, np.zeros(len(sampled.R), dtype=np.int64)])
         clearance = Clearance(
             *(
                 s.scale * x
@@ -125,19 +133,25 @@ class Sampler:
         costs = paper_costs(R, position, scene.centre, scene.ground.normal)
         costs |= hold_costs(field, holds, held, R, scene.centre)
         jaw_rad = field.jaw_rad[holds.progress[held].min(axis=1)]
-        has_held = held < len(tried.R) - len(sampled.R)
-        return Pool(R, position, jaw_rad, costs, refused, has_held)
+        return Pool(R, position, jaw_rad, costs, refused, times[held])
 
-    def _known(self, scene: PlanningCloud, T_map_gripper: Float | None) -> Hypotheses:
-        """Return the approaches of grasps that held the stone, the newest first.
+    def _known(self, scene: PlanningCloud, T_map_gripper: Float | None) -> tuple[Hypotheses, Int]:
+        """Return the approaches of grasps that held the stone, and how often, the newest first.
 
-        A stone that has turned since may lie so that one is too far off the vertical.
+        Those that are alike are one. A stone that has turned since may lie so that one is too far
+        off the vertical.
         """
         T_map = np.empty((0, 4, 4)) if T_map_gripper is None else T_map_gripper[::-1]
         T = inverse(scene.T_map_plan) @ T_map
         down = -T[:, :3, 0] @ scene.ground.normal
         T = T[down >= np.cos(self._settings.max_tilt_rad)]
-        return Hypotheses(T[:, :3, :3], T[:, :3, 3], np.zeros(len(T), dtype=bool))
+        R, position, scale = T[:, :3, :3], T[:, :3, 3], self._settings.scale
+        times = np.zeros(len(T), dtype=np.int64)
+        for i in range(len(T)):
+            times[first_alike(i, R, position, scale * SPREAD_M, SPREAD_RAD)] += 1
+        newest = times > 0
+        at = Hypotheses(R[newest], position[newest], np.zeros(int(newest.sum()), dtype=bool))
+        return at, times[newest]
 
     def _hypotheses(self, scene: PlanningCloud, rng: np.random.Generator) -> tuple[Hypotheses, int]:
         """Return the approaches to try, and the number of those that were too far off the vertical.

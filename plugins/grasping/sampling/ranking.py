@@ -82,15 +82,21 @@ def spread(
     first: list[int] = []
     again: list[int] = []
     for i in order:
-        is_new = all(
-            float(np.linalg.norm(position[i] - position[j])) > shift_m
-            or angle_of_jaws(R[i], R[j]) > turn_rad
-            for j in first
-        )
+        is_new = not any(_are_alike(i, j, R, position, shift_m, turn_rad) for j in first)
         (first if is_new else again).append(i)
         if is_new:
             yield i
     yield from again
+
+
+def first_alike(i: int, R: Float, position: Float, shift_m: float, turn_rad: float) -> int:
+    """Return the first grasp that is alike, as `spread` has it: an earlier one, or the same."""
+    return next(j for j in range(i + 1) if _are_alike(i, j, R, position, shift_m, turn_rad))
+
+
+def _are_alike(i: int, j: int, R: Float, position: Float, shift_m: float, turn_rad: float) -> bool:
+    is_near = float(np.linalg.norm(position[i] - position[j])) <= shift_m
+    return is_near and angle_of_jaws(R[i], R[j]) <= turn_rad
 
 
 def hold_costs(

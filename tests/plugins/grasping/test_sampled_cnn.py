@@ -74,7 +74,7 @@ def test_the_papers_ranking_orders_what_is_predicted_to_succeed_by_distance(plan
     assert accepted[0] == min(accepted)
 
 
-def test_when_nothing_is_predicted_to_succeed_the_likeliest_comes_first(plan: Callable) -> None:
+def test_when_never_is_predicted_to_succeed_the_likeliest_comes_first(plan: Callable) -> None:
     failures = [
         g.costs["failure"] for g in plan(ranking="paper", rehearsed=0, min_success=1.0).grasps
     ]
@@ -129,8 +129,8 @@ def test_a_grasp_that_falls_when_rehearsed_is_refused(
     plan: Callable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(SimulatedLift, "lift", lambda *_: Lifted(FALLEN_M, 0.0, 0.0))
-    nothing = plan()
-    assert (nothing.grasps, nothing.refused["slips"]) == ((), 12)
+    never = plan()
+    assert (never.grasps, never.refused["slips"]) == ((), 12)
 
 
 def test_a_grasp_below_the_score_that_the_mission_asks_for_is_refused(plan: Callable) -> None:
@@ -225,8 +225,8 @@ def test_likely_successes_come_in_the_order_of_the_paper_or_all_by_their_success
     planner = SampledCnn(settings, machine, None)  # type: ignore[arg-type]
     costs = {name: np.zeros(5) for name in ("align_rad", "enclose_m")}
     costs["distance_m"] = np.array([0.1, 0.4, 0.2, 0.3, 0.0])
-    nothing = np.zeros(5, dtype=bool)
-    pool = Pool(np.zeros((5, 3, 3)), np.zeros((5, 3)), np.zeros(5), costs, Counter(), nothing)
+    never = np.zeros(5, dtype=int)
+    pool = Pool(np.zeros((5, 3, 3)), np.zeros((5, 3)), np.zeros(5), costs, Counter(), never)
     order = planner.ordered(None, pool)  # type: ignore[arg-type]
     assert list(order.indices) == expected
     np.testing.assert_array_equal(order.costs["failure"], 1 - likely)

@@ -38,15 +38,15 @@ def stone(points: int = 20, weight: Weight | None = None) -> Stone:
 
 
 def pool(
-    count: int = 6, refused: Counter[str] | None = None, held_before: tuple[int, ...] = ()
+    count: int = 6, refused: Counter[str] | None = None, held_before: dict[int, int] | None = None
 ) -> Pool:
     """Return grasps one metre from each other, whose cost is their number."""
     position = np.column_stack([np.arange(count), np.zeros((count, 2))]).astype(float)
     costs = {"align_rad": np.arange(count) / 10, "shallow_m": np.arange(count) / -20}
     refused = Counter() if refused is None else refused
-    has_held = np.isin(np.arange(count), held_before)
+    times_held = np.array([(held_before or {}).get(i, 0) for i in range(count)])
     R, jaw_rad = np.array([np.eye(3)] * count), np.arange(count) / 100
-    return Pool(R, position, jaw_rad, costs, refused, has_held)
+    return Pool(R, position, jaw_rad, costs, refused, times_held)
 
 
 @dataclass
@@ -56,9 +56,9 @@ class Seen:
     slip_m: float
     push_m: float = 0.01
 
-    def joined(self, other: Rehearsed) -> "Seen":
+    def joined(self, other: Rehearsed, times: int) -> "Seen":
         assert other is HELD
-        return Seen(self.slip_m / 10, self.push_m)
+        return Seen(self.slip_m / 10**times, self.push_m)
 
 
 class Rehearsal:
@@ -238,7 +238,7 @@ def test_grasps_have_their_pose_score_and_costs_best_first() -> None:
 
 def test_what_held_the_stone_before_comes_first_and_that_counts_as_lifts() -> None:
     """Of two grasps that slip alike in their lifts, the one that has held the stone is better."""
-    planner = Planner(pool(4, held_before=(2,)))
+    planner = Planner(pool(4, held_before={2: 1}))
     planner._rehearsal = Rehearsal(dict.fromkeys(range(4), 0.1))
     assert numbers(plan(planner))[0] == 2
     assert [number for number, *_ in planner._rehearsal.asked] == [2, 0, 1, 3]
@@ -249,6 +249,9 @@ def test_what_held_the_stone_before_comes_first_and_that_counts_as_lifts() -> No
     planner._rehearsal = Rehearsal({2: 2.1})
     found = plan(planner)
     assert (numbers(found), found.refused) == ([0, 1, 3], {"slips": 1})
+    planner = Planner(pool(4, held_before={2: 2}))
+    planner._rehearsal = Rehearsal({2: 2.1})
+    assert numbers(plan(planner)) == [0, 1, 2, 3]  # held twice, a hundredth is left
 
 
 def test_what_slips_too_far_or_is_unlikely_is_refused() -> None:

@@ -23,7 +23,7 @@ def pool(count: int) -> Pool:
     costs = {name: np.zeros(count) for name in ("align_rad", "enclose_m")}
     costs["distance_m"] = np.arange(count, 0, -1.0)
     shapes = np.zeros((count, 3, 3)), np.zeros((count, 3)), np.zeros(count)
-    return Pool(*shapes, costs, Counter(), np.zeros(count, dtype=bool))
+    return Pool(*shapes, costs, Counter(), np.zeros(count, dtype=int))
 
 
 def test_half_of_the_grasps_are_the_first_of_the_paper_and_half_are_random() -> None:
@@ -50,8 +50,8 @@ def test_a_network_chooses_as_a_planner_tries_what_differs_first(
     """Of four grasps the two likeliest are one place; the planner tries the third before them."""
     place = np.array([[0.0, 0, 0], [0.01, 0, 0], [0.5, 0, 0], [1.0, 0, 0]])
     turns = np.repeat(np.eye(3)[None], 4, axis=0)
-    nothing = np.zeros(4, dtype=bool)
-    grasps = Pool(turns, place, np.zeros(4), {"distance_m": np.zeros(4)}, Counter(), nothing)
+    never = np.zeros(4, dtype=int)
+    grasps = Pool(turns, place, np.zeros(4), {"distance_m": np.zeros(4)}, Counter(), never)
     likely = np.array([0.9, 0.8, 0.5, 0.7])
     monkeypatch.setattr(labels, "_net_of", lambda weights: weights)
     monkeypatch.setattr(labels, "features_of", lambda scene, taken, gripper: len(taken))

@@ -43,8 +43,8 @@ class Bench:
         # A later grasp is the nearer.
         costs = {name: np.zeros(COUNT) for name in ("align_rad", "enclose_m")}
         costs["distance_m"] = np.arange(COUNT, 0.0, -1.0)
-        nothing = np.zeros(COUNT, dtype=bool)
-        self.pool = Pool(turns, places, 0.1 * np.arange(COUNT), costs, Counter(), nothing)
+        never = np.zeros(COUNT, dtype=int)
+        self.pool = Pool(turns, places, 0.1 * np.arange(COUNT), costs, Counter(), never)
         scene = SimpleNamespace(T_map_plan=T_MAP_PLAN)
         sampler = SimpleNamespace(
             scene=lambda stone, cloud, rng: scene, pool=lambda scene, rng: self.pool
