@@ -1,6 +1,6 @@
 """Association of segments with known stones."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,25 +82,57 @@ def associate_known_first(
     stones: Sequence[Stone],
     reaches: Sequence[Reach],
     max_ratio: float,
+    agrees: Callable[[Stone, Segment], bool],
+    pushed: Reach,
 ) -> list[int]:
     """Assign segments as `associate` does, and to lost stones only what no other stone explains.
 
     A lost stone may be far from its stored position, so a segment beside a stone that is not lost
-    is not that of a lost one.
+    is not that of a lost one, if it has the surface of the stone that lies there. Where it has not,
+    the lost stone may have fallen onto that one and pushed it: both are sought among what is left.
+
+    Args:
+        segments: The segments of a view.
+        stones: The stones that may be among them.
+        reaches: How far each stone may be from its stored position.
+        max_ratio: As in `associate`.
+        agrees: Tells whether a segment has the surface of a stone that lies where it was, or was
+            moved without turning; asked if a stone is lost.
+        pushed: How far a stone may be that is not where it lay.
     """
+    lost = [j for j, one in enumerate(stones) if one.state is StoneState.LOST]
+    lying = [j for j, one in enumerate(stones) if one.state is not StoneState.LOST]
     partners = [-1] * len(segments)
-    for is_lost in (False, True):
-        rows = [j for j, one in enumerate(stones) if (one.state is StoneState.LOST) is is_lost]
-        left = [i for i, partner in enumerate(partners) if partner < 0]
-        found = associate(
-            [segments[i] for i in left],
-            [stones[j] for j in rows],
-            [reaches[j] for j in rows],
-            max_ratio,
-        )
-        for i, row in zip(left, found, strict=True):
-            partners[i] = rows[row] if row >= 0 else -1
+    _assign(partners, lying, segments, stones, reaches, max_ratio)
+    if not lost:
+        return partners
+    moved = [i for i, j in enumerate(partners) if j >= 0 and not agrees(stones[j], segments[i])]
+    sought = lost + [partners[i] for i in moved]
+    reaches = [pushed if j in sought and j not in lost else one for j, one in enumerate(reaches)]
+    for i in moved:
+        partners[i] = -1
+    _assign(partners, sorted(sought), segments, stones, reaches, max_ratio)
     return partners
+
+
+def _assign(
+    partners: list[int],
+    rows: Sequence[int],
+    segments: Sequence[Segment],
+    stones: Sequence[Stone],
+    reaches: Sequence[Reach],
+    max_ratio: float,
+) -> None:
+    """Give the segments without a partner to some of the stones."""
+    left = [i for i, partner in enumerate(partners) if partner < 0]
+    found = associate(
+        [segments[i] for i in left],
+        [stones[j] for j in rows],
+        [reaches[j] for j in rows],
+        max_ratio,
+    )
+    for i, row in zip(left, found, strict=True):
+        partners[i] = rows[row] if row >= 0 else -1
 
 
 def owner_of_piece(segment: Segment, stones: Sequence[Stone], distance_m: float) -> Stone | None:

@@ -50,6 +50,11 @@ def sighting_of(stone: Stone, segment: Segment, settings: SqliteObjectsSettings)
     return Sighting(kind, fit, T, points, is_too_large)
 
 
+def is_same_surface(stone: Stone, segment: Segment, settings: SqliteObjectsSettings) -> bool:
+    """Return whether a segment fits a stone that lies where it was, or moved without turning."""
+    return sighting_of(stone, segment, settings).kind != "replaced"
+
+
 def _moved(known: Float, seen: Float, settings: SqliteObjectsSettings) -> tuple[Float, Fit]:
     """Return the shift of a stone that moved without turning, shape (3,) [m], and its fit.
 

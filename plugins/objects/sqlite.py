@@ -7,16 +7,15 @@ import sqlite3
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
+from functools import partial
 
 from executive_plugins.objects.association import (
-    PIECE,
+    Reach,
     associate_known_first,
-    owner_of_piece,
     reach_of,
 )
 from executive_plugins.objects.database_file import open_file, transaction
-from executive_plugins.objects.growth import merged
-from executive_plugins.objects.rows import add_event, add_grasp, forget_grasps, move_row, row_of
+from executive_plugins.objects.rows import add_event, add_grasp, move_row, row_of
 from executive_plugins.objects.scene import surface_within, surroundings, unexplained
 from executive_plugins.objects.schema import (
     WEIGHTS,
@@ -26,12 +25,12 @@ from executive_plugins.objects.schema import (
     unpack_pose,
 )
 from executive_plugins.objects.settings import SqliteObjectsSettings
-from executive_plugins.objects.sighting import sighting_of
-from executive_plugins.objects.surface import pack
+from executive_plugins.objects.sighting import is_same_surface
+from executive_plugins.objects.view import View
 
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
-from executive.geometry.pose import inverse, pose
+from executive.geometry.pose import inverse
 from executive.geometry.voxels import compile_voxel_means
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.cloud import Cloud
@@ -256,88 +255,22 @@ class SqliteObjects(ObjectDatabase):
             reach_of(stone, self.history(stone.id), s.max_distance_m, s.max_roll_m)
             for stone in known
         ]
-        partners = associate_known_first(segments, known, reaches, s.max_growth)
+        partners = associate_known_first(
+            segments,
+            known,
+            reaches,
+            s.max_growth,
+            partial(is_same_surface, settings=s),
+            Reach(s.max_roll_m, may_have_rolled=True),
+        )
         with self._transaction() as db:
+            view = View(db, stamp_s, seen_from_above, s)
             for row, segment in zip(partners, segments, strict=True):
                 if row >= 0:
-                    self._update(db, known[row], segment, stamp_s, seen_from_above)
+                    view.update(known[row], segment)
             lying = [one for one in self.stones() if one.state.is_lying]
             ids = [
-                known[row].id
-                if row >= 0
-                else self._piece_or_new(db, segment, lying, stamp_s, seen_from_above)
+                known[row].id if row >= 0 else view.piece_or_new(segment, lying)
                 for row, segment in zip(partners, segments, strict=True)
             ]
         return tuple(self.stone(stone_id) for stone_id in ids)
-
-    def _piece_or_new(
-        self,
-        db: sqlite3.Connection,
-        segment: Segment,
-        lying: Sequence[Stone],
-        stamp_s: float,
-        seen_from_above: bool,
-    ) -> int:
-        """Note a piece of a known stone, or add a new stone; return its id."""
-        owner = owner_of_piece(segment, lying, self._settings.explained_m)
-        if owner is None:
-            return self._add(db, segment, stamp_s, seen_from_above)
-        told = f"{_sensors(seen_from_above)}, {len(segment.points)} points in its body"
-        add_event(db, owner.id, stamp_s, PIECE, owner.state, told)
-        return owner.id
-
-    def _add(
-        self, db: sqlite3.Connection, segment: Segment, stamp_s: float, seen_from_above: bool
-    ) -> int:
-        settings = self._settings
-        points = segment.points - segment.centroid
-        surface = pack(merged(points[:0], points, settings.voxel_m, settings.max_points))
-        cursor = db.execute(
-            "INSERT INTO stones (state, seen_from_above, points_object, T_map_object) "
-            "VALUES (?, ?, ?, ?)",
-            (
-                StoneState.ON_GROUND,
-                seen_from_above,
-                surface,
-                pack_pose(pose(None, segment.centroid)),
-            ),
-        )
-        stone_id = int(cursor.lastrowid or 0)
-        add_event(db, stone_id, stamp_s, "found", StoneState.ON_GROUND, _sensors(seen_from_above))
-        return stone_id
-
-    def _update(
-        self,
-        db: sqlite3.Connection,
-        stone: Stone,
-        segment: Segment,
-        stamp_s: float,
-        seen_from_above: bool,
-    ) -> None:
-        sighting, state = sighting_of(stone, segment, self._settings), _found(stone.state)
-        told = f"{_sensors(seen_from_above)}, {sighting.fit}"
-        if sighting.is_too_large:
-            add_event(db, stone.id, stamp_s, "seen", state, f"{told}: too much, nothing added")
-            return
-        if sighting.kind == "replaced":
-            forget_grasps(db, stone.id)  # how the surface lies in the object's frame is new
-        from_above = seen_from_above or (sighting.kind != "replaced" and stone.seen_from_above)
-        db.execute(
-            "UPDATE stones SET points_object = ?, seen_from_above = ?, T_map_object = "
-            "? WHERE id = ?",
-            (
-                pack(sighting.points_object),
-                from_above,
-                pack_pose(sighting.T_map_object),
-                stone.id,
-            ),
-        )
-        add_event(db, stone.id, stamp_s, sighting.kind, state, told)
-
-
-def _found(state: StoneState) -> StoneState:
-    return StoneState.ON_GROUND if state is StoneState.LOST else state
-
-
-def _sensors(seen_from_above: bool) -> str:
-    return "lidar and drone" if seen_from_above else "lidar"

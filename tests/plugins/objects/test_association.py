@@ -5,6 +5,7 @@ import pytest
 from executive_plugins.objects.association import (
     Reach,
     associate,
+    associate_known_first,
     carried_m,
     newest_pose,
     owner_of_piece,
@@ -71,6 +72,51 @@ def test_distance_decides_between_two_of_a_size_and_a_part_at_the_place_beats_a_
     # A part of half its size costs as much as a way of its size.
     assert associate([at(1.0, 0.0), at(2.0, 2.1)], [stone], rolled, MAX_RATIO) == [0, -1]
     assert associate([at(1.0, 0.0), at(2.0, 1.9)], [stone], rolled, MAX_RATIO) == [-1, 0]
+
+
+LYING = Stone(1, StoneState.PLACED, LARGE_M * CUBE, np.zeros(3), np.eye(4), True)
+FALLEN = Stone(
+    2, StoneState.LOST, LARGE_M * CUBE + [1, 0, 0], np.array([1.0, 0, 0]), np.eye(4), True
+)
+REACHES = [Reach(0.6), Reach(3.0, may_have_rolled=True)]
+
+
+@pytest.mark.parametrize(("agrees", "expected"), [(True, [0, 1]), (False, [1, 0])])
+def test_a_stone_that_fell_onto_another_may_lie_where_that_one_was(
+    agrees: bool, expected: list[int]
+) -> None:
+    """The one that lay at 0 is pushed to −0.7 m by one that was lost at 1 m and is now at 0.55."""
+    segments = [at(LARGE_M, 0.55), at(LARGE_M, -0.7)]
+    asked = []
+
+    def has_its_surface(stone: Stone, segment: Segment) -> bool:
+        asked.append((stone.id, round(float(segment.centroid[0]), 2)))
+        return agrees
+
+    found = associate_known_first(
+        segments, [LYING, FALLEN], REACHES, MAX_RATIO, has_its_surface, Reach(3.0, True)
+    )
+    assert found == expected
+    assert asked == [(1, 0.55)]
+
+
+def test_without_a_lost_stone_no_surface_is_compared() -> None:
+    found = associate_known_first(
+        [at(LARGE_M, 0.55)], [LYING], REACHES[:1], MAX_RATIO, pytest.fail, Reach(3.0, True)
+    )
+    assert found == [0]
+
+
+def test_a_stone_that_shows_another_surface_is_still_the_nearest_if_nothing_else_is() -> None:
+    found = associate_known_first(
+        [at(LARGE_M, 0.1), at(LARGE_M, 1.1)],
+        [LYING, FALLEN],
+        REACHES,
+        MAX_RATIO,
+        lambda stone, segment: False,
+        Reach(3.0, True),
+    )
+    assert found == [0, 1]
 
 
 def test_no_segment_or_no_stone_is_no_pair() -> None:
