@@ -32,16 +32,21 @@ class Levers:
         return cls(np.abs(J[:, 2]).max(axis=0), sideways.max(axis=0))
 
 
-def held_limits(limits: Limits, levers: Levers, settings: HermiteSettings) -> Limits:
+def held_limits(
+    limits: Limits, levers: Levers, settings: HermiteSettings, may_sway: bool = False
+) -> Limits:
     """Return limits under which no joint alone accelerates a held stone by more than is set.
 
     Args:
         limits: Those of the joints.
         levers: Those of the motion.
         settings: How hard and how suddenly.
+        may_sway: Whether the machine stands on what yields, so that the motion is averaged over a
+            period of its sway.
     """
     up = settings.held_up_m_s2 / np.maximum(levers.up, _LEAST_LEVER)
     sideways = settings.held_sideways_m_s2 / np.maximum(levers.sideways, _LEAST_LEVER)
     acceleration = np.minimum(limits.acceleration, np.minimum(up, sideways))
     jerk = np.minimum(limits.jerk, acceleration / settings.held_ramp)
-    return Limits(limits.velocity, acceleration, jerk, limits.flow)
+    average_s = settings.held_average if may_sway else 0.0
+    return Limits(limits.velocity, acceleration, jerk, limits.flow, average_s)

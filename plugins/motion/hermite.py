@@ -1,6 +1,6 @@
 """The paper's heuristic planner: waypoints along the ground normal, Hermite curves between."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import ClassVar
 
@@ -129,7 +129,7 @@ class Hermite(MotionPlanner):
         fold, reason = self._fold(start), ""
         limits = self._loaded(around)
         if around.held_gripper is not None:
-            limits = held_limits(limits, Levers.at(self._kinematics, *fold), self._settings)
+            limits = self._held(limits, fold)
         # Unseen ground is not taken for free: on an empty map the arm folds first.
         for way in (folding_sweep, sweep) if len(around.obstacles.points) else (sweep,):
             trajectory = way(self._machine, limits, fold, angle_rad, duration_s)
@@ -213,7 +213,12 @@ class Hermite(MotionPlanner):
             T_base_goal = inverse(request.T_map_base) @ request.T_map_gripper
             goal = self._ik.solve(T_base_goal, request.start)
         ends = [request.start] if goal is None else [request.start, goal]
-        return held_limits(limits, Levers.at(self._kinematics, *ends), self._settings)
+        return self._held(limits, ends)
+
+    def _held(self, limits: Limits, postures: Sequence[Float]) -> Limits:
+        """Return the limits of a motion with a held stone that passes some postures."""
+        levers = Levers.at(self._kinematics, *postures)
+        return held_limits(limits, levers, self._settings, self._machine.stance.is_free)
 
     def _loaded(self, request: MoveRequest | PostureRequest | Around) -> Limits:
         """Return the machine's limits with the load of a request."""

@@ -23,12 +23,14 @@ class Limits:
         acceleration: The same of its acceleration [rad/s², or m/s²].
         jerk: The same of its jerk [rad/s³, or m/s³].
         flow: What all joints together may take from a pump; None if nothing limits that.
+        least_average_s: Least time over which a motion is averaged [s].
     """
 
     velocity: Float
     acceleration: Float
     jerk: Float
     flow: OilFlow | None = None
+    least_average_s: float = 0.0
 
 
 def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> JointTrajectory:
@@ -86,11 +88,12 @@ def _window(samples: Float, limits: Limits) -> int:
     longest = int(np.ceil(2 * (limits.acceleration / limits.jerk).max() / PERIOD_S)) + 1
     around = np.pad(samples, ((longest + 1, longest + 1), (0, 0)), mode="edge")
     acceleration = np.diff(around, 2, axis=0) / PERIOD_S**2
-    for window in range(1, longest):
+    least = max(1, round(limits.least_average_s / PERIOD_S))
+    for window in range(least, longest):
         change = np.abs(acceleration[window:] - acceleration[:-window])
         if (change <= limits.jerk * window * PERIOD_S).all():
             return window
-    return longest
+    return max(least, longest)
 
 
 def _averaged(samples: Float, window: int) -> Float:

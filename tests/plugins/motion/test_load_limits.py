@@ -12,6 +12,7 @@ from executive.machine.kinematics import Kinematics
 from executive.machine.machine import load_machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import MoveRequest, PostureRequest
+from executive.messages.trajectory import JointTrajectory
 
 M545 = load_machine("m545")
 SHARE = HermiteSettings().speed
@@ -92,10 +93,49 @@ def test_an_empty_gripper_is_raised_faster_than_a_stone(
     assert held_s > 1.1 * empty_s
 
 
-def raised(asked: PostureRequest) -> MoveRequest:
-    """Return the way straight up from the start, by a metre."""
+@pytest.mark.parametrize("period_s", [0.75, 0.85, 1.0, 1.15])
+def test_a_stone_raised_by_a_machine_that_may_tip_hardly_sways(
+    asked: PostureRequest, period_s: float
+) -> None:
+    """A load on an undamped spring sways after a raise of 0.2 m by less than 2 cm."""
+    on_legs, welded = (
+        swayed_m(raised_by(base, raised(asked, 0.2)), period_s) for base in (True, False)
+    )
+    assert on_legs < 0.02
+    assert on_legs < 0.6 * welded
+
+
+def test_an_empty_gripper_is_not_slowed_by_a_sway(asked: PostureRequest) -> None:
+    empty = replace(raised(asked), held_gripper=None)
+    assert raised_by(True, empty).duration_s == raised_by(False, empty).duration_s
+
+
+def raised_by(is_free: bool, asked: MoveRequest) -> JointTrajectory:
+    """Return the motion of a machine on its legs, or welded."""
+    stance = M545.stance.model_copy(update={"is_free": is_free})
+    planner = Hermite(HermiteSettings(), M545.model_copy(update={"stance": stance}))
+    planner.start()
+    plan = planner.move(asked)
+    assert plan.trajectory is not None, plan.reason
+    return plan.trajectory
+
+
+def swayed_m(trajectory: JointTrajectory, period_s: float) -> float:
+    """Return the amplitude with which a load on a spring sways after a motion [m]."""
+    kinematics, step_s = Kinematics(M545), 0.005
+    times_s = np.arange(0.0, trajectory.duration_s, step_s)
+    heights_m = [kinematics.gripper(trajectory.at(time_s)[0])[2, 3] for time_s in times_s]
+    omega, off_m, speed = 2 * np.pi / period_s, 0.0, 0.0
+    for acceleration in np.diff(heights_m, 2) / step_s**2:
+        speed -= (omega**2 * off_m + acceleration) * step_s
+        off_m += speed * step_s
+    return float(np.hypot(off_m, speed / omega))
+
+
+def raised(asked: PostureRequest, way_m: float = 1.0) -> MoveRequest:
+    """Return the way straight up from the start."""
     goal = Kinematics(M545).gripper(asked.start)
-    goal[2, 3] += 1.0
+    goal[2, 3] += way_m
     return MoveRequest(
-        asked.start, goal, np.eye(4), 1.0, 0.0, asked.obstacles, asked.held_gripper, asked.jaw_rad
+        asked.start, goal, np.eye(4), way_m, 0.0, asked.obstacles, asked.held_gripper, asked.jaw_rad
     )

@@ -1,5 +1,7 @@
 """Timing keeps every limit at all times, jerk among them, and wastes little time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from executive_plugins.motion.path import path_through
@@ -98,6 +100,19 @@ def test_samples_come_at_twenty_to_fifty_hertz() -> None:
     step_s = np.diff(timed(random_nodes(1)).times_s)
     assert step_s.min() >= 0.02
     assert step_s.max() <= 0.05
+
+
+def test_a_motion_that_is_averaged_takes_that_time_longer_and_accelerates_less() -> None:
+    nodes = np.array([[0.0, 0.0], [0.3, 0.2]])
+    path = path_through(nodes, np.zeros(1, dtype=bool), LIMITS.velocity, LIMITS.acceleration)
+    short, long = (
+        time_path(("a", "b"), path, replace(LIMITS, least_average_s=average_s))
+        for average_s in (0.0, 1.5)
+    )
+    assert 0.5 < long.duration_s - short.duration_s < 1.5
+    strongest = [np.abs(np.diff(one.velocity, axis=0)).max() for one in (short, long)]
+    assert strongest[1] < strongest[0]
+    np.testing.assert_allclose(long.position[[0, -1]], nodes, atol=1e-9)
 
 
 def test_a_path_without_length_takes_no_time_to_speak_of() -> None:
