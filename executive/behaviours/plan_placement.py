@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -17,6 +17,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.placing import PlacementPlanner
 from executive.leaf.action import Action, Steps
 from executive.leaf.job import Job
+from executive.leaf.lift_limit import LiftRule, too_heavy
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -50,7 +51,7 @@ class PlanPlacementSettings(Settings):
         "it hangs over one, and tilts back as the ground meets it. Slots without a pose always "
         "allow it.",
     )
-    lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
+    lift_capacity: LiftRule = Field(
         "by_base",
         description="What limits the way: nothing more than at the grasp; or also the rated lift "
         "capacity by radius and side on the whole way to the slot (ISO 10567); by_base is the "
@@ -98,6 +99,8 @@ class PlanPlacement(Action[PlanPlacementSettings]):
         T_map_base = self.context.state().T_map_base
         refused: dict[str, list[int]] = {}
         level = to_rest(stone, self.context.use(ObjectDatabase))
+        weight = self.context.weight()
+        mass_kg = stone.mass_kg if weight is None else weight.mass_kg
         for slot, T_map_map in self._attempts(free_slots, stone, hold, level):
             placements = yield from self.context.job(
                 placing.plan,
@@ -111,14 +114,14 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 refused.setdefault("no placement is free and in reach", []).append(slot.id)
             for placement in placements:
                 plan = yield from self._path_to(placement, hold, cloud)
-                too_heavy = self._too_heavy(stone, plan)
-                if plan.trajectory is not None and not too_heavy:
+                refusal = too_heavy(self.context, plan, mass_kg, self.settings.lift_capacity)
+                if plan.trajectory is not None and not refusal:
                     self.context.show("path", plan)
                     asked = next(one for one in free_slots if one.id == slot.id)
                     found = PlacementPlanned(_in_slot(placement, asked), plan.trajectory)
                     told = ", as it hangs" if slot is not asked else _turned(T_map_map)
                     return succeeded(found, f"slot {slot.id}{told}")
-                refused.setdefault(too_heavy or plan.reason, []).append(slot.id)
+                refused.setdefault(refusal or plan.reason, []).append(slot.id)
         return failed(f"no path to any of {len(free_slots)} slots: {_causes(refused)}")
 
     def _attempts(
@@ -139,16 +142,6 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 hung = hung_over(stone, level, slot.T_map_object, centre_map)
                 if hung is not None:
                     yield replace(slot, T_map_object=hung), np.eye(4)
-
-    def _too_heavy(self, stone: Stone, plan: MotionPlan) -> str:
-        """Return why the machine may not carry a stone along a path; empty if it may."""
-        stance = self.context.machine().stance
-        if plan.trajectory is None or not stance.limits_by_tipping(self.settings.lift_capacity):
-            return ""
-        from executive.machine.lift_capacity import LiftCapacity  # imports kinematics
-
-        capacity = LiftCapacity(self.context.machine()).along(plan.trajectory.position)
-        return capacity.refusal(stone.mass_kg)
 
     def _path_to(
         self, placement: Placement, hold: Hold, cloud: Cloud

@@ -14,6 +14,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.context import Context
+from executive.leaf.lift_limit import too_heavy
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.path import PathPlanned
@@ -21,7 +22,7 @@ from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.leaf.tool_way import slow_at_the_end, tool_way
 from executive.messages.hold import Hold
-from executive.messages.request import MoveRequest
+from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import StoneState
 from executive.messages.trajectory import JointTrajectory
 
@@ -32,7 +33,8 @@ _ROOM_M = 0.3
 _TOUCHING_M = 0.05  # as near to one another do the points of a model lie
 _RING_M, _FARTHEST_M, _DIRECTIONS = 0.3, 2.4, 12  # of the places that are tried
 _TRIES = 4  # motions that are planned: the stone slips meanwhile
-_BRAKING_M_S2 = 0.5  # half of what the joints brake with at a radius of 5 m
+# Half of what the joints brake with at a radius of 5 m; a sway doubles what brakes a load.
+_BRAKING_M_S2, _SWAYS = 0.5, 2.0
 
 
 class PlanSetDownSettings(Settings):
@@ -55,7 +57,8 @@ class PlanSetDown(Action[PlanSetDownSettings]):
 
     It goes straight down where no other known stone is below, and otherwise to the nearest place
     beside it: set down on a stone that was placed, it would push that one away. If there is no such
-    place in reach, it goes straight down all the same.
+    place in reach, or none to which a machine that may tip may carry the stone, it goes straight
+    down all the same.
     """
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
@@ -94,11 +97,19 @@ class PlanSetDown(Action[PlanSetDownSettings]):
                 held_kg=held_kg(self.context),
             )
             plan = yield from self.context.job(self.context.use(MotionPlanner).move, request)
+            if aside_m.any() and (heavy := self._too_heavy(plan, hold)):
+                reason = reason or heavy
+                continue
             if plan.trajectory is not None:
                 way = self._slow(plan.trajectory, surface, now, hold)
                 return succeeded(PathPlanned(way), _told(way_m, aside_m))
             reason = reason or plan.reason
         return failed(f"no path down: {reason}")
+
+    def _too_heavy(self, plan: MotionPlan, hold: Hold) -> str:
+        """Return why the stone may not be carried aside; straight down it is nowhere heavier."""
+        stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
+        return too_heavy(self.context, plan, stone.mass_kg, "by_base")
 
     def _slow(
         self, way: JointTrajectory, surface: Float, T_map_gripper: Float, hold: Hold
@@ -111,7 +122,8 @@ class PlanSetDown(Action[PlanSetDownSettings]):
         turned_m = float(np.linalg.norm(surface - middle, axis=1).max())
         slow_m = max(0.0, turned_m - expected_m)
         passed_m = tool_way(machine, way)
-        return slow_at_the_end(way, passed_m, slow_m, self.settings.speed, _BRAKING_M_S2)
+        braking_m_s2 = _BRAKING_M_S2 / (_SWAYS if machine.stance.is_free else 1.0)
+        return slow_at_the_end(way, passed_m, slow_m, self.settings.speed, braking_m_s2)
 
     def _places(self, stone_id: int, held: Float) -> list[Float]:
         """Return where to set down, from the gripper [m], (2,) each, the nearest first."""

@@ -11,6 +11,7 @@ from executive.leaf.tool_way import tool_way
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan
 from executive.messages.trajectory import JointTrajectory
+from executive.messages.weight import Weight
 from tests.behaviours.placing.scene import NO_PATH, NO_WAY, plugins
 
 
@@ -75,9 +76,12 @@ def test_a_stone_is_not_set_down_without_a_path_or_a_gap(world):
     assert (ended.status, ended.reason) == ("FAILURE", "the stone is at the ground already")
 
 
-def test_the_way_down_is_slow_where_a_stone_that_has_turned_may_stand(stage, world):
+@pytest.mark.parametrize("may_tip", [False, True])
+def test_the_way_down_is_slow_where_a_stone_that_has_turned_may_stand(stage, world, may_tip):
     """Held by the middle of its sides, with 0.8 m to the farthest corner, 0.35 m below the tips."""
     context = world.leaf_context
+    if may_tip:
+        on_legs(world)
     machine = context.machine()
     R = from_rpy(0.0, np.pi / 2, 0.0)  # the palm looks down
     hold = Hold(1, pose(R, np.array([5.0, 0.0, 1.4])), 0.6)
@@ -95,4 +99,37 @@ def test_the_way_down_is_slow_where_a_stone_that_has_turned_may_stand(stage, wor
     speed, left_m = np.diff(way_m) / np.diff(planned.times_s), way_m[-1] - way_m[1:]
     assert speed.max() > 0.5
     assert speed[left_m < 0.15].max() == pytest.approx(0.3, rel=0.05)
+    before, step_s = speed[left_m > 0.15], np.diff(planned.times_s)[0]
+    braking_m_s2 = (before[:-10] - before[10:]).max() / (10 * step_s)
+    assert braking_m_s2 < (0.3 if may_tip else 0.6)
     assert planned.duration_s > fast.duration_s
+
+
+@pytest.mark.parametrize(("mass_kg", "asked"), [(500.0, 1), (2900.0, 5)])
+def test_a_stone_is_not_carried_aside_beyond_the_lift_capacity(
+    stage, world, database, mass_kg, asked
+):
+    """Aside of the other stone the arm would swing out to 6 m at the side."""
+    machine = on_legs(world)
+    far = dict(zip(machine.arm_names, machine.posture("carry"), strict=True))
+    far |= {"J_TURN": 1.57, "J_BOOM": 0.75, "J_DIPPER": 0.3, "J_TELE": 1.2, "J_EE_PITCH": -1.19}
+    position = np.stack([machine.posture("carry"), [*far.values()]])
+    way = JointTrajectory(machine.arm_names, np.array([0.0, 9.0]), position, 0 * position)
+    above_the_other_stone(world)
+    aside = [MotionPlan(way, "", NO_PATH)] * 4
+    motion = stage.Scripted(MotionPlanner, move=[*aside, world.found])
+    plugins(world)["motion"] = motion
+    database.weigh(1, Weight(mass_kg, 20.0), 3.0)
+    ended = world.tick(PlanSetDown, hold=world.hold)
+    assert ended.status == "SUCCESS"
+    assert len(motion.calls("move")) == asked
+    assert ("aside" in ended.reason) == (asked == 1)
+
+
+def on_legs(world):
+    """Let the machine stand so that it may tip."""
+    machine = world.leaf_context.machine()
+    stance = machine.stance.model_copy(update={"is_free": True})
+    freed = machine.model_copy(update={"stance": stance})
+    world.leaf_context.machine = lambda: freed
+    return freed
