@@ -18,6 +18,13 @@ from executive.messages.stone import Stone, StoneState
 
 class FindSlotsSettings(Settings):
     count: int = Field(7, ge=1, le=50, description="Number of slots wanted.")
+    spare: int = Field(
+        0,
+        ge=0,
+        le=50,
+        description="Number of further slots for a machine that may tip: a stone that weighs more "
+        "than its volume tells may not be carried to its own.",
+    )
     at_least: int = Field(1, ge=1, le=50, description="Fewer slots than this are a failure.")
     use: tuple[RegionName, ...] = Field(
         (), description="Regions, in one of which each stone must lie; none: anywhere."
@@ -58,6 +65,8 @@ class FindSlots(Action[FindSlotsSettings]):
         """
         planner, T_map_base = self.context.use(PlacementPlanner), self.context.state().T_map_base
         layout, count = self._layout(for_stone), self.settings.count
+        if self.context.machine().stance.is_free:
+            count += self.settings.spare
         if layout is ANYWHERE:
             slots = yield from self.context.job(planner.slots, segmentation, T_map_base, count)
         else:

@@ -1,8 +1,10 @@
 """Which places take which stones, so that the machine may lift each one there."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from executive.arrays import Float
 from executive.geometry.convex import volume_and_centroid
@@ -12,11 +14,30 @@ from executive.machine.machine import Machine
 from executive.messages.segment import Segmentation
 from executive.messages.stone import STONE_DENSITY_KG_M3
 
+_BEYOND_RAD = 100.0  # what a place beyond the lift capacity costs: more than all swings together
 
-def masses_kg(segmentation: Segmentation) -> list[float]:
-    """Return the masses of the stones of a site by their volumes, the heaviest first [kg]."""
-    volumes_m3 = (volume_and_centroid(one.points)[0] for one in segmentation.segments)
-    return sorted((volume_m3 * STONE_DENSITY_KG_M3 for volume_m3 in volumes_m3), reverse=True)
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Load:
+    """What is to be carried to a place.
+
+    Attributes:
+        mass_kg: Its mass by its volume.
+        position_map: Middle of its points [m], shape (3,).
+    """
+
+    mass_kg: float
+    position_map: Float
+
+
+def loads(segmentation: Segmentation) -> list[Load]:
+    """Return the stones of a site, those of most points first, as `SelectLargest` takes them."""
+    return [
+        Load(
+            volume_and_centroid(one.points)[0] * STONE_DENSITY_KG_M3, np.asarray(one.points).mean(0)
+        )
+        for one in sorted(segmentation.segments, key=lambda one: -len(one.points))
+    ]
 
 
 def rated_kg(machine: Machine, places_map: Float, T_map_base: Float) -> Float:
@@ -37,22 +58,38 @@ def rated_kg(machine: Machine, places_map: Float, T_map_base: Float) -> Float:
     return np.array([0.0 if one is None else one.rated_kg for one in found])
 
 
-def assigned(rated: Float, masses: Sequence[float], count: int) -> list[int]:
+def swings_rad(loads: Sequence[Load], places_map: Float, T_map_base: Float) -> Float:
+    """Return how far the cabin swings between stones and places [rad], shape (S, N)."""
+    T_base_map = inverse(T_map_base)
+    places, stones = (
+        transform(T_base_map, points)
+        for points in (places_map, np.array([load.position_map for load in loads]).reshape(-1, 3))
+    )
+    between = np.subtract.outer(_azimuths(stones), _azimuths(places))
+    return np.asarray(np.abs((between + np.pi) % (2 * np.pi) - np.pi))
+
+
+def _azimuths(points: Float) -> Float:
+    return np.asarray(np.arctan2(points[:, 1], points[:, 0]))
+
+
+def assigned(rated: Float, masses: Sequence[float], swings: Float, count: int) -> list[int]:
     """Return the indices of up to `count` places, one for each stone and the others after them.
 
-    Each stone takes the first place that is left where it may be lifted, or, if there is none, the
-    one that is left where the most may be lifted.
+    As many stones as possible get a place where they may be lifted, and those that do not, one that
+    lacks little. Of all ways to do so, the one with the least swing of the cabin in all is chosen.
+    Further places follow in their order of preference.
 
     Args:
         rated: Capacity of the places in their order of preference [kg], shape (N,).
-        masses: Masses of the stones, the heaviest first [kg].
+        masses: Masses of the S stones, in the order in which they are moved [kg].
+        swings: Swing of the cabin between each stone and each place [rad], shape (S, N).
         count: Number of places wanted.
     """
-    left, taken = list(range(len(rated))), list[int]()
-    wanted = [*masses, *([0.0] * max(count - len(masses), 0))]
-    for mass_kg in wanted[: min(count, len(left))]:
-        fitting = (place for place in left if rated[place] >= mass_kg)
-        place = next(fitting, max(left, key=lambda one: rated[one]))
-        left.remove(place)
-        taken.append(place)
-    return taken
+    wanted = np.array(masses[:count], dtype=np.float64)
+    beyond_kg = np.maximum(wanted[:, None] - rated, 0.0)
+    cost = np.where(beyond_kg > 0, _BEYOND_RAD * (1.0 + beyond_kg), swings[: len(wanted)])
+    _, places = linear_sum_assignment(cost)
+    taken = [int(place) for place in places]
+    rest = [place for place in range(len(rated)) if place not in taken]
+    return [*taken, *rest][:count]

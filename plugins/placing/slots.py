@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from executive_plugins.placing.allowed_places import AllowedPlaces
 from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
-from executive_plugins.placing.liftable_places import assigned, masses_kg, rated_kg
+from executive_plugins.placing.liftable_places import assigned, loads, rated_kg, swings_rad
 from executive_plugins.placing.release import HeldStone, aligned_poses, release_poses
 from executive_plugins.placing.row_of_stones import row_of_stones
 from executive_plugins.placing.settings import SlotsSettings
@@ -53,10 +53,11 @@ class Slots(PlacementPlanner):
 
         On arcs, those that need the least swing of the cabin come first. The first row
         with room for all slots is taken; if there is none, the rows are filled one after the other.
-        For a machine that may tip the rows start at the nearest, and the heaviest stone of the site
-        gets the first place where the machine may lift it, then the next one; see
-        `liftable_places`. A layout with a row of its own gives the places along that row instead;
-        there the distance of faces takes the place of `clearance_m` and `spacing_m`.
+        For a machine that may tip the rows start at the nearest, and each stone of the site, in the
+        order in which they are moved, gets a place where the machine may lift it, with the least
+        swings of the cabin in all; see `liftable_places`. A layout with a row of its own gives the
+        places along that row instead; there the distance of faces takes the place of `clearance_m`
+        and `spacing_m`.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         if layout.row is not None:
@@ -74,8 +75,10 @@ class Slots(PlacementPlanner):
             if len(places) >= count and not self._is_by_capacity:
                 break
         if self._is_by_capacity and len(places):
+            stones = loads(segmentation)
+            masses, swings = [one.mass_kg for one in stones], swings_rad(stones, places, T_map_base)
             rated = rated_kg(self._machine, places, T_map_base)
-            places = places[assigned(rated, masses_kg(segmentation), count)]
+            places = places[assigned(rated, masses, swings, count)]
         places = places[:count]
         return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
 

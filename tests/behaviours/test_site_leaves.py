@@ -319,6 +319,17 @@ def test_slots_are_found_recorded_and_shown(stage):
     assert ended.shown["slots/2"] is slots[1]
 
 
+@pytest.mark.parametrize(("may_tip", "asked"), [(False, 3), (True, 5)])
+def test_spare_slots_are_for_a_machine_that_may_tip(stage, may_tip, asked):
+    planner = stage.Scripted(PlacementPlanner, slots=())
+    stand = stage.Stage(placing=planner)
+    machine = stand.leaf_context.machine()
+    stance = machine.stance.model_copy(update={"is_free": may_tip})
+    stand.leaf_context.machine = lambda: machine.model_copy(update={"stance": stance})
+    stand.tick(FindSlots, settings={"count": 3, "spare": 2}, segmentation=segmentation())
+    assert [one["count"] for one in planner.calls("slots")] == [asked]
+
+
 def test_too_few_slots_are_a_failure_that_is_recorded(stage):
     planner = stage.Scripted(PlacementPlanner, slots=())
     ended = stage.Stage(placing=planner).tick(FindSlots, segmentation=segmentation())
