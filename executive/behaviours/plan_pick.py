@@ -1,6 +1,8 @@
 """Plan the path to a grasp."""
 
+from collections.abc import Generator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -15,6 +17,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.context import Context
+from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -66,7 +69,8 @@ class PlanPick(Action[PlanPickSettings]):
 
     Grasps that differ from those that failed on the stone come first, because a stone that slipped
     out of a grasp slips out of it again. An attempt has failed if the stone has not been placed
-    since.
+    since. A machine on legs that yield leans with its arm: the path leads to where the grasp is
+    once the arm is there.
     """
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
@@ -97,7 +101,9 @@ class PlanPick(Action[PlanPickSettings]):
         motion = self.context.use(MotionPlanner)
         reasons: list[str] = []
         for number, grasp in enumerate(ordered, 1):
-            plan = yield from self.context.job(motion.move, self._request(grasp, cloud))
+            T_map_base = yield from self._leaning(grasp)
+            request = self._request(grasp, cloud, T_map_base)
+            plan = yield from self.context.job(motion.move, request)
             if plan.trajectory is None:
                 reasons.append(plan.reason)
                 continue
@@ -133,11 +139,23 @@ class PlanPick(Action[PlanPickSettings]):
         self._tried[stone.id] = failures
         return [T_object_gripper for _, T_object_gripper in failures]
 
-    def _request(self, grasp: Grasp, cloud: Cloud) -> MoveRequest:
+    def _leaning(self, grasp: Grasp) -> Generator[Job[Any], Any, Float]:
+        """Return where the chassis is once the gripper is at the grasp: legs yield to the arm."""
+        machine, T_map_base = self.context.machine(), self.context.state().T_map_base
+        if machine.stance.support_n_m is None:
+            return T_map_base
+        from executive.machine.lean import Lean  # reading a mission imports no kinematics
+
+        start, lean = self.context.arm(), Lean(machine)
+        reach, T = self.context.use(MotionPlanner).reach, grasp.T_map_gripper
+        goal = yield from self.context.job(reach, inverse(T_map_base) @ T, start)
+        return T_map_base if goal is None else lean.moved(T_map_base, start, goal)
+
+    def _request(self, grasp: Grasp, cloud: Cloud, T_map_base: Float) -> MoveRequest:
         return MoveRequest(
             start=self.context.arm(),
             T_map_gripper=grasp.T_map_gripper,
-            T_map_base=self.context.state().T_map_base,
+            T_map_base=T_map_base,
             leave_m=self.settings.leave,
             arrive_m=self.settings.arrive,
             obstacles=cloud,

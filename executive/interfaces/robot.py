@@ -32,6 +32,11 @@ class RobotSettings(PluginSettings):
         """Whether the machine stands free where its file does not say so."""
         return False
 
+    @property
+    def support_n_m(self) -> float | None:
+        """Stiffness of each support of a machine that may tip [N/m]; None if that is its file's."""
+        return None
+
 
 class Robot(Plugin, ABC):
     """Measures and moves. Its settings class derives from RobotSettings."""

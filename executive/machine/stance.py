@@ -27,6 +27,12 @@ class Stance(Sourced):
         description="Whether the machine stands on the ground and may tip; then the rated lift "
         "capacity limits lifts unless a mission says otherwise. A simulated robot sets it.",
     )
+    support_n_m: float | None = Field(
+        None,
+        gt=0,
+        description="Stiffness of each point of support [N/m], by which a machine that stands free "
+        "leans with its arm; it is taken not to lean without. A simulated robot sets it.",
+    )
     tracking_error: float = Field(
         0.1,
         gt=0,

@@ -106,8 +106,11 @@ def _machine(selections: Selections, model: str) -> Machine:
     chosen = [one.settings for one in selections.get("robot", ())]
     robots = [settings for settings in chosen if isinstance(settings, RobotSettings)]
     changed: dict[str, object] = {}
-    if any(one.may_tip for one in robots):
-        changed["stance"] = machine.stance.model_copy(update={"is_free": True})
+    if free := [one for one in robots if one.may_tip]:
+        told: dict[str, bool | float] = {"is_free": True}
+        if free[0].support_n_m is not None:
+            told["support_n_m"] = free[0].support_n_m
+        changed["stance"] = machine.stance.model_copy(update=told)
     if any(one.ground == "rock" for one in robots):
         changed["gripper"] = machine.gripper.model_copy(update={"digs_m": 0.0})
     return machine.model_copy(update=changed) if changed else machine

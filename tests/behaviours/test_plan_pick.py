@@ -46,10 +46,14 @@ class Mapper:
 
 
 class Planner:
-    def __init__(self, blocked=()):
-        self.blocked = blocked
+    def __init__(self, blocked=(), reached=None):
+        self.blocked, self.reached, self.asked = blocked, reached, []
+
+    def reach(self, T_base_gripper, seed):
+        return self.reached
 
     def move(self, request):
+        self.asked.append(request)
         x = round(float(request.T_map_gripper[0, 3]), 3)
         if x in self.blocked:
             return MotionPlan(None, f"blocked at {x}", np.zeros((0, 3)))
@@ -148,3 +152,28 @@ def test_a_grasp_that_lost_the_stone_after_the_last_placement_is_not(leaf, fakes
     fakes.finish(leaf, limit_s=200.0, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     again = fakes.finish(leaf, limit_s=200.0, stone=1, grasps=[grasp(5.0), grasp(5.3)])
     assert again.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)
+
+
+@pytest.mark.parametrize("leans", [True, False])
+def test_the_way_leads_to_where_the_grasp_is_once_the_machine_leans(leaf, fakes, leans):
+    context = leaf.context
+    machine = context.machine()
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6 if leans else None})
+    context.machine = lambda: machine.model_copy(update={"stance": stance})
+    side = context.arm().copy()
+    side[machine.arm_names.index(machine.turn_joint)] += np.pi / 2
+    planner = context.plugins["motion"] = Planner(reached=side)
+    assert fakes.finish(leaf, stone=1, grasps=[grasp(5.0)]).success
+    (asked,) = planner.asked
+    off = np.abs(asked.T_map_base - context.state().T_map_base).max()
+    assert (1e-3 < off < 0.02) if leans else off == 0.0
+
+
+def test_a_grasp_out_of_reach_is_planned_from_where_the_machine_is(leaf, fakes):
+    context = leaf.context
+    machine = context.machine()
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6})
+    context.machine = lambda: machine.model_copy(update={"stance": stance})
+    planner = context.plugins["motion"] = Planner(reached=None)
+    assert fakes.finish(leaf, stone=1, grasps=[grasp(5.0)]).success
+    np.testing.assert_array_equal(planner.asked[0].T_map_base, context.state().T_map_base)

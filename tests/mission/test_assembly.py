@@ -133,11 +133,17 @@ def test_a_copy_of_a_plugin_needs_what_that_needs_and_so_on(installed):
     assert needed_for(selections, "robot") == {"robot": selections["robot"]}
 
 
-@pytest.mark.parametrize(("may_tip", "is_free"), [(True, True), (False, False)])
-def test_a_machine_may_tip_where_its_robot_says_so(monkeypatch, may_tip, is_free):
+@pytest.mark.parametrize(
+    ("may_tip", "support_n_m", "expected"),
+    [(True, None, None), (True, 3e6, 3e6), (False, 3e6, None)],
+)
+def test_a_machine_may_tip_and_lean_where_its_robot_says_so(
+    monkeypatch, may_tip, support_n_m, expected
+):
     monkeypatch.setattr(assembly, "RobotSettings", SimpleNamespace)
-    chosen = SimpleNamespace(settings=SimpleNamespace(may_tip=may_tip, ground="soil"))
-    assert assembly._machine({"robot": (chosen,)}, "m545").stance.is_free is is_free
+    settings = SimpleNamespace(may_tip=may_tip, support_n_m=support_n_m, ground="soil")
+    stance = assembly._machine({"robot": (SimpleNamespace(settings=settings),)}, "m545").stance
+    assert (stance.is_free, stance.support_n_m) == (may_tip, expected)
 
 
 @pytest.mark.parametrize(("ground", "digs_m"), [("soil", 0.1), ("rock", 0.0)])

@@ -46,6 +46,10 @@ class MujocoSettings(RobotSettings):
     def may_tip(self) -> bool:
         return self.base != "welded"
 
+    @property
+    def support_n_m(self) -> float | None:
+        return self.legs.stiffness_n_m if self.base == "on_legs" else None
+
     def refusals(self, machine: Machine) -> Iterator[Refusal]:
         for i, dropout in enumerate(self.sensors.dropouts):
             if dropout.sensor not in machine.sensors:

@@ -19,6 +19,9 @@ from executive_plugins.robot.mujoco.site.terrain import make_terrain
 from executive_plugins.robot.mujoco.world import World
 
 from executive.errors import ConfigError, RobotError
+from executive.geometry.pose import pose, transform
+from executive.machine.kinematics import Kinematics
+from executive.machine.lean import Lean
 from executive.machine.lift_capacity import Capacity, LiftCapacity
 from executive.machine.machine import Machine, load_machine
 from executive.messages.command import Follow
@@ -94,6 +97,24 @@ def reached() -> tuple[World, Capacity, dict]:
     for _ in range(800):
         world.step()
     return world, LiftCapacity(machine).at(world.arm.position()), dict(world.keep())
+
+
+def test_it_leans_with_its_arm_as_plans_foretell(reached: tuple) -> None:
+    """The tips end 5 cm lower at 6 m than on a level machine, and 1 cm from where they should."""
+    world, _, kept = reached
+    world.restore(kept)
+    world.step()
+    machine, q = world.machine, world.arm.position()
+    settings = MujocoSettings(base="on_legs")
+    stance = machine.stance.model_copy(update={"support_n_m": settings.support_n_m})
+    lean = Lean(machine.model_copy(update={"stance": stance}))
+    T_level = pose(t=np.array([0.0, 0.0, machine.stance.base_height_m]))
+    foretold = lean.moved(T_level, machine.posture("scan"), q)
+    base, tool = world.data.body(machine.base_link), Kinematics(machine).gripper(q)[:3, 3]
+    T_leaning = pose(base.xmat.reshape(3, 3), base.xpos)
+    level, seen, told = (transform(T, tool) for T in (T_level, T_leaning, foretold))
+    assert level[2] - seen[2] > 0.04
+    np.testing.assert_allclose(told, seen, atol=0.01)
 
 
 def hang(world: World, mass_kg: float) -> None:
