@@ -30,6 +30,8 @@ from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import Stone
 from executive.messages.trajectory import JointTrajectory
 
+_SAME_PLACE_M = 1.0  # about the radius of a stone, less than the distance of two that lie apart
+
 
 class PlanPlacementSettings(Settings):
     leave: Meters = Field(
@@ -101,7 +103,8 @@ class PlanPlacement(Action[PlanPlacementSettings]):
         level = to_rest(stone, self.context.use(ObjectDatabase))
         weight = self.context.weight()
         mass_kg = stone.mass_kg if weight is None else weight.mass_kg
-        for slot, T_map_map in self._attempts(free_slots, stone, hold, level):
+        slots = _own_first(free_slots, hold.T_map_gripper[:3, 3])
+        for slot, T_map_map in self._attempts(slots, stone, hold, level):
             placements = yield from self.context.job(
                 placing.plan,
                 moved(stone, T_map_map),
@@ -161,6 +164,21 @@ class PlanPlacement(Action[PlanPlacementSettings]):
             held_kg=held_kg(self.context),
         )
         return (yield from self.context.job(self.context.use(MotionPlanner).move, request))
+
+
+def _own_first(slots: Sequence[Slot], taken_map: Float) -> list[Slot]:
+    """Return slots in the order in which they are tried for a stone that was taken from a place.
+
+    First comes the one that is meant for it, then those for any stone, then those for others.
+    """
+
+    def rank(slot: Slot) -> int:
+        if slot.meant_for_map is None:
+            return 1
+        away_m = np.linalg.norm((slot.meant_for_map - taken_map)[:2])
+        return 0 if away_m < _SAME_PLACE_M else 2
+
+    return sorted(slots, key=rank)
 
 
 def _causes(refused: Mapping[str, Sequence[int]]) -> str:

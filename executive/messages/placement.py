@@ -20,6 +20,8 @@ class Slot:
         T_map_object: Pose in which the object's frame of one certain stone is to rest, shape
             (4, 4), as a building planner found it; the heading then does not count. None leaves
             the pose to the planner.
+        meant_for_map: Where the stone lies that the planner chose this place for [m], shape (3,);
+            None if it is for any stone.
     """
 
     id: int
@@ -27,9 +29,13 @@ class Slot:
     heading_rad: float | None = None
     gap_m: float | None = None
     T_map_object: Float | None = None
+    meant_for_map: Float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position_map", checked("position_map", self.position_map, 3))
+        if self.meant_for_map is not None:
+            meant = checked("meant_for_map", self.meant_for_map, 3)
+            object.__setattr__(self, "meant_for_map", meant)
         if self.T_map_object is not None:
             object.__setattr__(
                 self, "T_map_object", checked("T_map_object", self.T_map_object, 4, 4)

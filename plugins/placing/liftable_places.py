@@ -31,13 +31,14 @@ class Load:
 
 
 def loads(segmentation: Segmentation) -> list[Load]:
-    """Return the stones of a site, those of most points first, as `SelectLargest` takes them."""
-    return [
+    """Return the stones of a site, the heaviest first."""
+    found = [
         Load(
             volume_and_centroid(one.points)[0] * STONE_DENSITY_KG_M3, np.asarray(one.points).mean(0)
         )
-        for one in sorted(segmentation.segments, key=lambda one: -len(one.points))
+        for one in segmentation.segments
     ]
+    return sorted(found, key=lambda load: -load.mass_kg)
 
 
 def rated_kg(machine: Machine, places_map: Float, T_map_base: Float) -> Float:
@@ -82,7 +83,7 @@ def assigned(rated: Float, masses: Sequence[float], swings: Float, count: int) -
 
     Args:
         rated: Capacity of the places in their order of preference [kg], shape (N,).
-        masses: Masses of the S stones, in the order in which they are moved [kg].
+        masses: Masses of the S stones, the heaviest first [kg].
         swings: Swing of the cabin between each stone and each place [rad], shape (S, N).
         count: Number of places wanted.
     """

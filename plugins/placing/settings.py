@@ -21,10 +21,9 @@ class SlotsSettings(PluginSettings):
     prefer: Literal["by_base", "given", "nearest", "capacity"] = Field(
         "by_base",
         description="Which slots come first: those of the first row given with room for all; the "
-        "nearest; or, by `capacity`, for each stone of the site, in the order in which they are "
-        "moved, one where the machine may lift it (ISO 10567), with the least swings of the cabin "
-        "in all; `by_base`: by capacity where the base may tip (`on_legs`, `on_wheels`), else as "
-        "given.",
+        "nearest; or, by `capacity`, for each stone of the site one where the machine may lift it "
+        "(ISO 10567), with the least swings of the cabin in all; `by_base`: by capacity where the "
+        "base may tip (`on_legs`, `on_wheels`), else as given.",
     )
     spacing_m: Meters = Field(
         1.9, gt=0, description="Distance between slots of a row; open jaws must fit between [m]."

@@ -1,12 +1,13 @@
 """Equally spaced slots on free ground, and placements on them (Mascaro 2020, Sec. 6.1)."""
 
 from collections.abc import Iterable
+from itertools import zip_longest
 from typing import ClassVar
 
 import numpy as np
 from executive_plugins.placing.allowed_places import AllowedPlaces
 from executive_plugins.placing.free_ground import FreeGround, GroundNeeds
-from executive_plugins.placing.liftable_places import assigned, loads, rated_kg, swings_rad
+from executive_plugins.placing.liftable_places import Load, assigned, loads, rated_kg, swings_rad
 from executive_plugins.placing.release import HeldStone, aligned_poses, release_poses
 from executive_plugins.placing.row_of_stones import row_of_stones
 from executive_plugins.placing.settings import SlotsSettings
@@ -53,9 +54,9 @@ class Slots(PlacementPlanner):
 
         On arcs, those that need the least swing of the cabin come first. The first row
         with room for all slots is taken; if there is none, the rows are filled one after the other.
-        For a machine that may tip the rows start at the nearest, and each stone of the site, in the
-        order in which they are moved, gets a place where the machine may lift it, with the least
-        swings of the cabin in all; see `liftable_places`. A layout with a row of its own gives the
+        For a machine that may tip the rows start at the nearest, and each stone of the site gets a
+        place where the machine may lift it, with the least swings of the cabin in all; see
+        `liftable_places`. A layout with a row of its own gives the
         places along that row instead; there the distance of faces takes the place of `clearance_m`
         and `spacing_m`.
         """
@@ -75,12 +76,21 @@ class Slots(PlacementPlanner):
             if len(places) >= count and not self._is_by_capacity:
                 break
         if self._is_by_capacity and len(places):
-            stones = loads(segmentation)
-            masses, swings = [one.mass_kg for one in stones], swings_rad(stones, places, T_map_base)
-            rated = rated_kg(self._machine, places, T_map_base)
-            places = places[assigned(rated, masses, swings, count)]
-        places = places[:count]
-        return tuple(Slot(i, place) for i, place in enumerate(places, start=1))
+            return self._by_capacity(places, loads(segmentation), T_map_base, count)
+        return tuple(Slot(i, place) for i, place in enumerate(places[:count], start=1))
+
+    def _by_capacity(
+        self, places: Float, stones: list[Load], T_map_base: Float, count: int
+    ) -> tuple[Slot, ...]:
+        """Return a slot for each stone, and further ones after them."""
+        rated = rated_kg(self._machine, places, T_map_base)
+        swings = swings_rad(stones, places, T_map_base)
+        chosen = assigned(rated, [one.mass_kg for one in stones], swings, count)
+        meant = [one.position_map for one in stones][: len(chosen)]
+        return tuple(
+            Slot(i, place, meant_for_map=stone)
+            for i, (place, stone) in enumerate(zip_longest(places[chosen], meant), start=1)
+        )
 
     @property
     def _is_by_capacity(self) -> bool:

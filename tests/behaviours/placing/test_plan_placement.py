@@ -148,3 +148,15 @@ def test_a_cause_of_several_slots_is_told_once(stage, world):
     ended = world.tick(PlanPlacement, hold=world.hold, free_slots=SLOTS)
     assert "2 slots: slots 1, 2: no placement is free and in reach" in ended.reason
     assert ended.reason.count("free and in reach") == 1
+
+
+def test_the_slot_that_is_meant_for_the_stone_comes_first_and_those_of_others_last(stage, world):
+    """The stone was taken from where the gripper closed."""
+    x, y, _ = world.hold.T_map_gripper[:3, 3]
+    places = [np.array([4.0 + i, -3.0, 0.0]) for i in range(3)]
+    other = Slot(1, places[0], meant_for_map=np.array([x, y + 3.0, 0.4]))
+    own = Slot(3, places[2], meant_for_map=np.array([x + 0.3, y, 0.4]))
+    planner = stage.Scripted(PlacementPlanner, plan=[(), (), ()])
+    plugins(world)["placing"] = planner
+    world.tick(PlanPlacement, hold=world.hold, free_slots=[other, Slot(2, places[1]), own])
+    assert [call["slot"].id for call in planner.calls("plan")] == [3, 2, 1]

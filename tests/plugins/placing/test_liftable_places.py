@@ -51,16 +51,15 @@ def test_places_are_rated_where_the_machine_stands(machine: Machine) -> None:
     np.testing.assert_allclose(rated, [sideways.rated_kg, forwards.rated_kg, 0.0])
 
 
-def test_loads_have_the_masses_of_the_volumes_those_of_most_points_first(site: tuple) -> None:
+def test_loads_have_the_masses_of_the_volumes_the_heaviest_first(site: tuple) -> None:
     block, ground, segmented, _ = site
     small, large = block((4.0, 0.0), half_m=0.3), block((6.0, 0.0), half_m=0.5)
-    for given in ([small, large], [large[::4], small]):
-        found = loads(segmented(ground(), *given))
-        for load, points in zip(found, sorted(given, key=len, reverse=True), strict=True):
-            np.testing.assert_allclose(load.position_map, points.mean(axis=0))
-    masses = [one.mass_kg for one in loads(segmented(ground(), large, small))]
+    found = loads(segmented(ground(), small, large))
+    for load, points in zip(found, (large, small), strict=True):
+        np.testing.assert_allclose(load.position_map, points.mean(axis=0))
     volumes_m3 = np.array([1.0 * 1.0 * 0.6, 0.6 * 0.6 * 0.6])
-    np.testing.assert_allclose(sorted(masses)[::-1], volumes_m3 * STONE_DENSITY_KG_M3, rtol=1e-6)
+    masses = [one.mass_kg for one in found]
+    np.testing.assert_allclose(masses, volumes_m3 * STONE_DENSITY_KG_M3, rtol=1e-6)
 
 
 def test_a_swing_is_the_turn_of_the_cabin_the_shorter_way_round() -> None:

@@ -147,6 +147,20 @@ def test_a_heavy_stone_gets_a_place_where_a_machine_that_may_tip_lifts_it(
     assert found["capacity"][0] < -4.0
 
 
+def test_slots_by_capacity_say_which_stone_each_is_meant_for(
+    planner_of: Callable, machine: Machine, site: tuple
+) -> None:
+    block, ground, segmented, _ = site
+    left, right = block((4.0, 4.0)), block((4.0, -4.0), half_m=0.3)
+    planner = planner_of(prefer="capacity", radii_m=(6.0,))
+    planner._machine = machine
+    slots = planner.slots(segmented(ground(), left, right), BASE, 3)
+    for slot, stone in zip(slots, (left, right), strict=False):
+        np.testing.assert_allclose(slot.meant_for_map, stone.mean(axis=0))
+        assert np.sign(slot.position_map[1]) == np.sign(stone[:, 1].mean())
+    assert slots[2].meant_for_map is None
+
+
 def test_slots_out_of_reach_are_not_offered(planner_of: Callable, site: tuple) -> None:
     _, ground, segmented, _ = site
     assert len(places(planner_of(reach_m=(2.0, 5.0), radii_m=(6.0,)), segmented(ground()))) == 0
