@@ -47,6 +47,9 @@ class Objects(SqliteObjects):
     def stones(self):
         return (self.stone(1),)
 
+    def keep_grasp(self, stone_id, T_object_gripper, stamp_s):
+        return self.stone(stone_id)
+
     def release(self, stone_id, T_map_gripper, stamp_s, state):
         self.released.append(T_map_gripper)
         return self.stone(stone_id)
