@@ -28,7 +28,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_a_base_that_is_not_found_is_one_mistake(path: Path) -> None:
-    text = (shipped_folder() / "map_site.yaml").read_text()
+    text = (shipped_folder() / "pick_and_place.yaml").read_text()
     assert told(path, text.replace("extends: base", "extends: bse")) == [
         "mine.yaml:4:10: error: no file 'bse' to extend. Did you mean 'base'?"
     ]
