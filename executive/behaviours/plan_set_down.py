@@ -122,7 +122,8 @@ class PlanSetDown(Action[PlanSetDownSettings]):
         turned_m = float(np.linalg.norm(surface - middle, axis=1).max())
         slow_m = max(0.0, turned_m - expected_m)
         passed_m = tool_way(machine, way)
-        braking_m_s2 = _BRAKING_M_S2 / (_SWAYS if machine.stance.is_free else 1.0)
+        sways = machine.stance.support_n_m is not None
+        braking_m_s2 = _BRAKING_M_S2 / (_SWAYS if sways else 1.0)
         return slow_at_the_end(way, passed_m, slow_m, self.settings.speed, braking_m_s2)
 
     def _places(self, stone_id: int, held: Float) -> list[Float]:

@@ -31,7 +31,8 @@ class Stance(Sourced):
         None,
         gt=0,
         description="Stiffness of each point of support [N/m], by which a machine that stands free "
-        "leans with its arm; it is taken not to lean without. A simulated robot sets it.",
+        "leans with its arm and sways with a load; it is taken to do neither without. A simulated "
+        "robot sets it.",
     )
     tracking_error: float = Field(
         0.1,

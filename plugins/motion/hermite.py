@@ -217,8 +217,8 @@ class Hermite(MotionPlanner):
 
     def _held(self, limits: Limits, postures: Sequence[Float]) -> Limits:
         """Return the limits of a motion with a held stone that passes some postures."""
-        levers = Levers.at(self._kinematics, *postures)
-        return held_limits(limits, levers, self._settings, self._machine.stance.is_free)
+        levers, stance = Levers.at(self._kinematics, *postures), self._machine.stance
+        return held_limits(limits, levers, self._settings, stance.support_n_m is not None)
 
     def _loaded(self, request: MoveRequest | PostureRequest | Around) -> Limits:
         """Return the machine's limits with the load of a request."""

@@ -83,8 +83,9 @@ class HermiteSettings(PluginSettings):
         ge=0,
         le=5,
         description="Least time over which the motion of a held stone is averaged where the "
-        "machine may tip [s]: a period of its sway on its legs, 0.65 to 1.15 s with a stone. An "
-        "average over a period leaves no sway of that period, and a fifth of these.",
+        "machine stands on supports that yield [s]: a period of its sway, 0.65 to 1.15 s with a "
+        "stone, up to 1.5 s near its lift capacity. An average over a period leaves no sway of "
+        "that period, a fifth of the others and a third of the slowest.",
     )
     lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
         "by_base",

@@ -74,12 +74,14 @@ def _azimuths(points: Float) -> Float:
     return np.asarray(np.arctan2(points[:, 1], points[:, 0]))
 
 
-def assigned(rated: Float, masses: Sequence[float], swings: Float, count: int) -> list[int]:
-    """Return the indices of up to `count` places, one for each stone and the others after them.
+def assigned(
+    rated: Float, masses: Sequence[float], swings: Float, count: int
+) -> list[tuple[int, int | None]]:
+    """Return up to `count` places, each with the stone that it is for; both as indices.
 
     As many stones as possible get a place where they may be lifted, and those that do not, one that
     lacks little. Of all ways to do so, the one with the least swing of the cabin in all is chosen.
-    Further places follow in their order of preference.
+    Further places, which are for any stone, follow in their order of preference.
 
     Args:
         rated: Capacity of the places in their order of preference [kg], shape (N,).
@@ -90,7 +92,7 @@ def assigned(rated: Float, masses: Sequence[float], swings: Float, count: int) -
     wanted = np.array(masses[:count], dtype=np.float64)
     beyond_kg = np.maximum(wanted[:, None] - rated, 0.0)
     cost = np.where(beyond_kg > 0, _BEYOND_RAD * (1.0 + beyond_kg), swings[: len(wanted)])
-    _, places = linear_sum_assignment(cost)
-    taken = [int(place) for place in places]
-    rest = [place for place in range(len(rated)) if place not in taken]
-    return [*taken, *rest][:count]
+    stones, places = linear_sum_assignment(cost)
+    taken = dict(zip(places.tolist(), stones.tolist(), strict=True))
+    rest = [(place, None) for place in range(len(rated)) if place not in taken]
+    return [*taken.items(), *rest][:count]

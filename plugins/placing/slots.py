@@ -1,7 +1,6 @@
 """Equally spaced slots on free ground, and placements on them (Mascaro 2020, Sec. 6.1)."""
 
 from collections.abc import Iterable
-from itertools import zip_longest
 from typing import ClassVar
 
 import numpy as np
@@ -56,9 +55,8 @@ class Slots(PlacementPlanner):
         with room for all slots is taken; if there is none, the rows are filled one after the other.
         For a machine that may tip the rows start at the nearest, and each stone of the site gets a
         place where the machine may lift it, with the least swings of the cabin in all; see
-        `liftable_places`. A layout with a row of its own gives the
-        places along that row instead; there the distance of faces takes the place of `clearance_m`
-        and `spacing_m`.
+        `liftable_places`. A layout with a row of its own gives the places along that row instead;
+        there the distance of faces takes the place of `clearance_m` and `spacing_m`.
         """
         T_map_base = checked("T_map_base", T_map_base, 4, 4)
         if layout.row is not None:
@@ -86,10 +84,13 @@ class Slots(PlacementPlanner):
         rated = rated_kg(self._machine, places, T_map_base)
         swings = swings_rad(stones, places, T_map_base)
         chosen = assigned(rated, [one.mass_kg for one in stones], swings, count)
-        meant = [one.position_map for one in stones][: len(chosen)]
         return tuple(
-            Slot(i, place, meant_for_map=stone)
-            for i, (place, stone) in enumerate(zip_longest(places[chosen], meant), start=1)
+            Slot(
+                i,
+                places[place],
+                meant_for_map=None if stone is None else stones[stone].position_map,
+            )
+            for i, (place, stone) in enumerate(chosen, start=1)
         )
 
     @property

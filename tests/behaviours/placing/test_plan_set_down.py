@@ -129,7 +129,7 @@ def test_a_stone_is_not_carried_aside_beyond_the_lift_capacity(
 def on_legs(world):
     """Let the machine stand so that it may tip."""
     machine = world.leaf_context.machine()
-    stance = machine.stance.model_copy(update={"is_free": True})
+    stance = machine.stance.model_copy(update={"is_free": True, "support_n_m": 2e6})
     freed = machine.model_copy(update={"stance": stance})
     world.leaf_context.machine = lambda: freed
     return freed

@@ -19,17 +19,26 @@ from executive.messages.stone import STONE_DENSITY_KG_M3
 def test_each_stone_gets_a_place_where_it_may_be_lifted_with_the_least_swings() -> None:
     rated = np.array([1500.0, 2000.0, 3000.0, 2500.0])
     swings = np.array([[0.1, 0.1, 2.0, 1.0], [0.5, 0.2, 0.1, 0.1], [0.1, 0.4, 0.1, 0.1]])
-    assert assigned(rated, [2400.0, 1900.0, 1400.0], swings, 3) == [3, 2, 0]
+    assert assigned(rated, [2400.0, 1900.0, 1400.0], swings, 3) == [(3, 0), (2, 1), (0, 2)]
 
 
 def test_a_stone_keeps_no_heavier_one_from_the_only_place_where_that_may_be_lifted() -> None:
     swings = np.array([[2.0, 0.0], [0.0, 2.0]])
-    assert assigned(np.array([3000.0, 2000.0]), [2400.0, 1900.0], swings, 2) == [0, 1]
+    found = assigned(np.array([3000.0, 2000.0]), [2400.0, 1900.0], swings, 2)
+    assert found == [(0, 0), (1, 1)]
 
 
 def test_a_stone_that_may_be_lifted_nowhere_gets_a_place_that_lacks_little() -> None:
     swings = np.array([[0.0, 1.0, 0.5]])
-    assert assigned(np.array([1000.0, 1800.0, 1400.0]), [2000.0], swings, 2) == [1, 0]
+    found = assigned(np.array([1000.0, 1800.0, 1400.0]), [2000.0], swings, 2)
+    assert found == [(1, 0), (0, None)]
+
+
+def test_of_too_few_places_each_says_which_stone_it_is_for() -> None:
+    """The heaviest stone may be lifted to none of them."""
+    rated = np.array([1500.0, 1000.0])
+    found = assigned(rated, [2000.0, 1400.0, 900.0], np.zeros((3, 2)), 3)
+    assert sorted(found) == [(0, 1), (1, 2)]
 
 
 @pytest.mark.parametrize(("count", "expected"), [(0, []), (2, [1, 0]), (5, [1, 0, 2])])
@@ -37,7 +46,8 @@ def test_no_more_places_are_taken_than_asked_for_or_than_there_are(
     count: int, expected: list[int]
 ) -> None:
     rated = np.array([900.0, 1200.0, 800.0])
-    assert assigned(rated, [1100.0], np.zeros((1, 3)), count) == expected
+    found = assigned(rated, [1100.0], np.zeros((1, 3)), count)
+    assert [place for place, _ in found] == expected
 
 
 def test_places_are_rated_where_the_machine_stands(machine: Machine) -> None:
