@@ -121,7 +121,7 @@ class SampledPlanner(GraspPlanner):
             )
         if len(target.points_map) < _FEW_POINTS:
             return GraspPlan((), {"too_few_points": 1})
-        scene = self._sampler.scene(target.points_map, cloud.points, rng)
+        scene, *more = self._sampler.scenes(target.points_map, cloud.points, rng)
         load, limit_kg = load_of(target, scene, self._settings), self._machine.payload_kg
         if load.least_kg > limit_kg:
             detail = f"{load.words}, and the gripper lifts {limit_kg:.0f} kg"
@@ -133,15 +133,15 @@ class SampledPlanner(GraspPlanner):
             )
             return GraspPlan((), {"wider_than_opening": 1}, detail=detail)
         held_before = target.T_map_object @ target.T_object_gripper
-        pool = self._sampler.pool(scene, rng, held_before)
-        refused = _Refused(pool.refused)
-        grasps = (
-            self._chosen(scene, pool, checked("T_map_base", T_map_base, 4, 4), load, refused)
-            if len(pool)
-            else ()
-        )
+        T_map_base, refused = checked("T_map_base", T_map_base, 4, 4), _Refused()
+        grasps: list[Grasp] = []
+        for one in (scene, *more):
+            pool = self._sampler.pool(one, rng, held_before)
+            refused.update(pool.refused)
+            grasps += self._chosen(one, pool, T_map_base, load, refused) if len(pool) else ()
+        grasps.sort(key=lambda grasp: -grasp.score)  # stable: equal scores keep their order
         counts = {reason: n for reason, n in sorted(refused.items()) if n}
-        return GraspPlan(grasps, counts, detail=refused.detail)
+        return GraspPlan(tuple(grasps), counts, detail=refused.detail)
 
     def paper_order(self, pool: Pool) -> Iterator[int]:
         """Yield the indices of a pool in the order of the paper's stages (Sec. 5.4).

@@ -20,6 +20,7 @@ _LEVEL_M = 0.15  # points higher than this above the ground belong to neighbours
 _APART_M = 0.10
 _GROUND_BAND_M = 0.35  # ground under the stone is at most this far from the slot's height
 _HIGHEST = 0.95  # quantile of the ground heights on which the stone comes to lie
+_LOWEST = 0.1  # the same of those that are lowest: ground, and not a hole in it
 _INNER = 0.8  # share of the stone's width under which ground carries it
 _SPACING_M = 0.05  # point spacing that suffices for the check
 
@@ -92,6 +93,8 @@ class SlotSurroundings:
         is_high = near[:, 2] > self.ground_m + _LEVEL_M
         self._ground, self._neighbours = near[~is_high], near[is_high]
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
+        is_on_soil = not is_posed or _is_on_soil(near, level)
+        self._digs_m = gripper.digs_m if is_on_soil else 0.0
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
         """Return whether stone and opening jaws clear the neighbours, and the jaws the ground.
@@ -113,8 +116,7 @@ class SlotSurroundings:
             neighbours = self._neighbours + (0.0, 0.0, self._lowered_m)
         if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False
-        digs_m = self._gripper.digs_m if self._lowered_m is None else 0.0
-        ground = self._ground - (0.0, 0.0, digs_m)
+        ground = self._ground - (0.0, 0.0, self._digs_m)
         return self._depth_m(transform(T_gripper_map, ground), angles) < _IN_GROUND_M
 
     def _depth_m(self, points_gripper: Float, angles: Float) -> float:
@@ -129,6 +131,14 @@ class SlotSurroundings:
                 of_jaw = transform(inverse(self._gripper.T_gripper_jaw(name, float(angle))), near)
                 deepest = max(deepest, *(_deepest(faces, of_jaw) for faces in parts))
         return deepest
+
+
+def _is_on_soil(near: Float, level_m: float) -> bool:
+    """Return whether a stone whose lowest point is at a level rests on the ground itself.
+
+    Beside one that rests on others, part of what is near lies lower than the foot of a neighbour.
+    """
+    return len(near) > 0 and level_m < float(np.quantile(near[:, 2], _LOWEST)) + _LEVEL_M
 
 
 def _deepest(faces: Float, points: Float) -> float:

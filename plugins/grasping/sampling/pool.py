@@ -92,10 +92,25 @@ class Sampler:
 
     def scene(self, stone_map: Float, cloud_map: Float, rng: np.random.Generator) -> PlanningCloud:
         """Build the planning cloud of a stone, with a margin as wide as the gripper (Sec. 5.2)."""
+        given_m = self._settings.into_soil_m
+        into_soil_m = self._gripper.digs_m if given_m is None else self._settings.scale * given_m
+        return self._scene(stone_map, cloud_map, rng, into_soil_m)
+
+    def scenes(
+        self, stone_map: Float, cloud_map: Float, rng: np.random.Generator
+    ) -> list[PlanningCloud]:
+        """Return the planning cloud, and that of grasps above the ground if they are wanted too."""
+        found = [self.scene(stone_map, cloud_map, rng)]
+        if self._settings.also_above_ground:
+            found.append(self._scene(stone_map, cloud_map, rng, 0.0))
+        return found
+
+    def _scene(
+        self, stone_map: Float, cloud_map: Float, rng: np.random.Generator, into_soil_m: float
+    ) -> PlanningCloud:
         scale = self._settings.scale
         margin_m = -float(self._field().origin[1])  # half the width of the open gripper
-        spacing_m, given_m = scale * self._settings.spacing_m, self._settings.into_soil_m
-        into_soil_m = self._gripper.digs_m if given_m is None else scale * given_m
+        spacing_m = scale * self._settings.spacing_m
         return build_planning_cloud(
             stone_map, cloud_map, margin_m, spacing_m, rng, scale, into_soil_m
         )

@@ -51,4 +51,9 @@ class SamplingSettings(PluginSettings):
         "far as the gripper digs (`digs_m` of robot.yaml); 0 where tips below a stone are in the "
         "way where it is set down.",
     )
+    also_above_ground: bool = Field(
+        False,
+        description="Whether as many grasps whose tips stay above the ground are returned besides: "
+        "tips below the foot of a stone meet the stones on which it is set down.",
+    )
     density: KilogramsPerCubicMeter = Field(2700.0, gt=0, description="Density of a stone [kg/m³].")

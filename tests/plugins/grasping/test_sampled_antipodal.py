@@ -13,7 +13,7 @@ from executive_plugins.grasping.settings import SampledAntipodalSettings
 
 from executive.arrays import Float
 from executive.errors import DataError
-from executive.geometry.pose import inverse, pose
+from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis, angle_between
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.gripper import Gripper
@@ -143,6 +143,25 @@ def test_a_slab_that_lies_on_soil_is_held_by_tips_below_it(
 ) -> None:
     slab = see(make_box((0.6, 0.6, 0.08), 0.03), make_field())
     assert plan(planner, slab).grasps
+
+
+def test_grasps_above_the_ground_come_besides_those_that_go_into_it(
+    planner_of: Callable, scene: tuple, gripper: Gripper
+) -> None:
+    def lowest_m(grasps: tuple) -> Float:
+        """Return the height of the lowest tip of each grasp, closed as far as it goes."""
+        tips = gripper.tips(0.0)
+        return np.array([transform(one.T_map_gripper, tips)[:, 2].min() for one in grasps])
+
+    deep = plan(planner_of(samples=30, rehearsed=8, physics="kind"), scene).grasps
+    both = plan(
+        planner_of(samples=30, rehearsed=8, physics="kind", also_above_ground=True), scene
+    ).grasps
+    assert len(both) > len(deep)
+    assert [one.score for one in both] == sorted((one.score for one in both), reverse=True)
+    assert lowest_m(deep).min() < -0.02
+    assert lowest_m(both).min() < -0.02 < lowest_m(both).max()
+    assert (lowest_m(both) > -0.02).sum() > (lowest_m(deep) > -0.02).sum()
 
 
 def test_a_stone_out_of_reach_is_refused_as_such(planner_of: Callable, scene: tuple) -> None:

@@ -122,7 +122,8 @@ class Planner(SampledPlanner):
             stance=SimpleNamespace(limits_by_tipping=lambda rule: rule == "by tipping"),
         )
         self._sampler = SimpleNamespace(
-            scene=lambda points, around, rng: SCENE, pool=lambda scene, rng, known: given
+            scenes=lambda points, around, rng: [SCENE],
+            pool=lambda scene, rng, known: given,
         )
         self._rehearsal = Rehearsal({})
         self._arm = SimpleNamespace(

@@ -66,8 +66,12 @@ def test_jaws_may_be_in_the_ground_as_far_as_they_dig(machine: Machine, site: tu
         cloud = ground(4.0) + (0.0, 0.0, level)
         around = SlotSurroundings(machine.gripper, cloud, SlotFoot(np.array([0, 0, level]), 0.5))
         assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
-        # On other stones they may not.
         posed = SlotFoot(np.array([0, 0, level]), 0.5, lowered_m=0.0)
+        on_soil = SlotSurroundings(machine.gripper, cloud, posed)
+        assert on_soil.is_free(T_MAP_GRIPPER, STONE) == is_free
+        # On other stones they may not: around these the ground is half a metre lower.
+        is_beside = np.linalg.norm(cloud[:, :2], axis=1) > 1.2
+        cloud[is_beside, 2] -= 0.5
         on_stones = SlotSurroundings(machine.gripper, cloud, posed)
         assert on_stones.is_free(T_MAP_GRIPPER, STONE) == (deep_m == 0.0)
 
