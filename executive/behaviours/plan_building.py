@@ -14,6 +14,7 @@ from executive.interfaces.mapping import Mapper
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.bare_ground import bare_ground
+from executive.leaf.body_within import body_within
 from executive.leaf.filled_place import is_filled
 from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
@@ -22,17 +23,20 @@ from executive.leaf.resting import moved, to_rest
 from executive.leaf.sightings import sightings
 from executive.leaf.slots_found import tell_slots
 from executive.leaf.solid_stones import solid_stones
-from executive.leaf.surroundings import map_cloud
+from executive.leaf.surroundings import map_cloud, unexplained
 from executive.machine.jaw_clearance import released_jaws
 from executive.messages.building import AsBuilt, BuildPlan, BuildTarget, StandingStone
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
+from executive.messages.height_grid import HeightGrid
 from executive.messages.hold import Hold
 from executive.messages.placement import Slot
 from executive.messages.segment import Segmentation
 from executive.messages.stone import Stone, StoneState
 from executive.messages.structure import Structure
 
+_ROLLED = 1.5  # lengths of a lost stone in which it is sought: it has rolled by one
+_SAME_M = 0.1  # of the middles of what is seen of one body, from around two places
 _LIE = (StoneState.ON_GROUND, StoneState.SET_ASIDE)
 
 
@@ -118,11 +122,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         within = [one for one in stones if one.id != for_stone
                   and _is_within(structure, solid_of[one.id])]  # fmt: skip
         adopted = yield from self._adopted(within)
-        standing += adopted
+        bodies = yield from self._bodies(structure, ground, stones, adopted)
+        standing += adopted + [one for one in stones if one.id in bodies]
         free = _free([one for one in stones if one not in adopted], for_stone, objects)
         if for_stone is not None and not free:
             return _cannot(for_stone, stones)
-        as_built = {one.id: solid_of[one.id] for one in standing}
+        as_built = {one.id: solid_of[one.id] for one in standing} | bodies
         solids = solid_stones(free, points, objects, self.settings.room)
         if for_stone is not None:
             held = _likely(held_by or (), least_score) if in_jaws is None else [in_jaws]
@@ -172,6 +177,26 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             if sightings(objects, one.id):
                 objects.set_state(one.id, StoneState.PLACED, self.context.now_s())
         return shown + [one for one in within if one.state in _LIE]
+
+    def _bodies(
+        self,
+        structure: Structure,
+        ground: HeightGrid,
+        stones: Sequence[Stone],
+        adopted: Sequence[Stone],
+    ) -> Generator[Job[Cloud], Cloud, dict[int, StandingStone]]:
+        """Return the bodies that the map shows where stones were lost, one for each by its id.
+
+        Nobody recognises such a stone, and something lies there: nothing can be set down in it.
+        """
+        found: dict[int, StandingStone] = {}
+        lost = [one for one in stones if one.state is StoneState.LOST and one not in adopted]
+        for one in lost:
+            around = yield from unexplained(self.context, one.id, _ROLLED * one.length_m)
+            body = body_within(around.points, one, structure, ground)
+            if body is not None and not any(_is_same(body, other) for other in found.values()):
+                found[one.id] = body
+        return found
 
     def _stale(self, standing: Sequence[Stone], seen: float) -> str:
         """Return why nothing may be planned on what is known; empty if it may."""
@@ -248,6 +273,11 @@ def _likely(grasps: Sequence[Grasp], least_score: float | None) -> list[Grasp]:
 def _is_within(structure: Structure, solid: StandingStone) -> bool:
     """Return whether the middle of a stone is above the foot of a structure."""
     return bool(structure.depth_m(solid.T_map_stone[None, :2, 3], np.zeros(1))[0] >= 0.0)
+
+
+def _is_same(body: StandingStone, other: StandingStone) -> bool:
+    """Return whether two bodies, found for two stones, are one."""
+    return bool(np.allclose(body.T_map_stone[:3, 3], other.T_map_stone[:3, 3], atol=_SAME_M))
 
 
 def _slot(number: int, target: BuildTarget, lying: StandingStone, stone: Stone) -> Slot:

@@ -137,6 +137,21 @@ def test_a_lost_stone_stands_as_long_as_the_map_shows_a_body_there(stage, databa
     assert [one.name for one in asked["inventory"]] == ["2"]
 
 
+def test_a_body_in_the_structure_that_may_be_a_lost_stone_is_built_around(stage, database):
+    """It rolled by a metre as it was let go, and nobody has recognised it."""
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    last = database.stone(1).points_map
+    database.set_state(1, StoneState.LOST, 5.0)
+    body = last + (0.8, 0.0, 0.0)
+    stand, planner = on_stage(stage, database, NOTHING, np.concatenate([body, SITE.ground.points]))
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    (standing,) = planner.calls("propose")[0]["built"].standing
+    assert standing.stone.name == "1"
+    np.testing.assert_allclose(standing.vertices_map().max(axis=0), body.max(axis=0), atol=0.01)
+    assert database.stone(1).state is StoneState.LOST
+    assert next(one for one in ended.events if isinstance(one, BuildingEnded)).standing == (1,)
+
+
 def test_an_end_has_its_reason_and_figures(stage, database):
     stand, _ = on_stage(stage, database, NOTHING)
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
