@@ -5,6 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from executive.behaviours.describe_structure import DescribeStructure
+from executive.behaviours.find_own_place import FindOwnPlace
 from executive.behaviours.keep_fitting_grasps import KeepFittingGrasps
 from executive.behaviours.plan_building import PlanBuilding
 from executive.events.site import BuildingEnded, BuildingPlanned
@@ -282,3 +283,21 @@ def test_a_structure_is_described_by_settings(stage):
 def test_a_structure_without_a_form_is_refused():
     with pytest.raises(ValidationError, match="one of line, ring, cairn; got none"):
         DescribeStructure.Settings(height=0.7)
+
+
+def test_a_held_stone_has_its_own_place_where_it_lay(stage, database):
+    lay = database.stone(1).points_map
+    database.grasp(1, pose(), 2.0)
+    database.realign(1, pose(exp_so3(np.array([0.3, 0.0, 0.0])), np.array([0.0, 0.0, 0.1])), 3.0)
+    ended = stage.Stage(objects=database).tick(FindOwnPlace, stone=1)
+    (slot,) = ended.outputs["slots"]
+    expected = [*lay.mean(axis=0)[:2], lay[:, 2].min()]
+    np.testing.assert_allclose(slot.position_map, expected, atol=1e-3)
+    assert slot.T_map_object is None  # it may turn about the vertical
+
+
+def test_a_stone_that_was_never_grasped_has_no_own_place(stage, database):
+    ended = stage.Stage(objects=database).tick(FindOwnPlace, stone=1)
+    assert (ended.status, ended.reason) == (
+        "FAILURE", "stone 1 has no place of its own: it was never grasped"
+    )  # fmt: skip

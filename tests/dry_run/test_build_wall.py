@@ -167,6 +167,7 @@ LOWERED = """PlanPlacement:
     - {outputs: {placement: {slot: {id: 2}}}}
   LowerUntilDown: %s
   ForgetPlace: success
+  FindOwnPlace: success
   IsHolding: success"""
 
 
@@ -176,8 +177,9 @@ LOWERED = """PlanPlacement:
         # It has met something above its place: it is carried to the next one, in the same attempt.
         ("[failure, success]", "{status: failure, outputs: {ending: complete}}",
          "PlanPlacement: [success, success], ReleaseStone: [success], PlanPick: [success]"),
-        # Nor is that one right: the stone is let go where it is, looked for, and picked again.
-        ("[failure, failure, success]", AGAIN,
+        # Nor is that one right: it is put back where it lay, looked for, and picked again.
+        ("[failure, failure, success, success]", AGAIN,
+         "FindOwnPlace: [success], LowerUntilDown: [failure, failure, success, success], "
          "FindAgain: [success], PlanPick: [success, success]"),
     ],
     ids=["another place", "no place"],
@@ -186,6 +188,44 @@ def test_a_stone_that_meets_something_above_its_place_is_carried_to_another(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lowered: str, second_plan: str, ends: str
 ) -> None:
     mocks = TWICE % (second_plan, FITTING, "success", LOWERED % lowered, ends)
+    assert exit_status(monkeypatch, tmp_path, mocks) == 0
+
+
+ONE_PLACE = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding: %s
+  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
+  KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
+  DetectSlip: success
+  PlanPlacement:
+    - {outputs: {placement: {slot: {id: 1}}}}
+    - failure
+    - failure
+    - {outputs: {placement: {slot: {id: 4}}}}
+  LowerUntilDown: [failure, success]
+  IsHolding: success
+  FindOwnPlace: success
+  FindAgain: failure
+  TakeUpAgain: failure
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+
+
+def test_a_place_that_was_planned_again_is_not_tried_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The models are the same, and so may be the plan: the stone is put back instead."""
+    plans = """
+    - {outputs: {stone: 3, free_slots: [{id: 1}]}}
+    - {outputs: {stone: 3, free_slots: [{id: 1}]}}
+    - {status: failure, outputs: {ending: complete}}"""
+    ends = "FindOwnPlace: [success], PlanPlacement: [success, failure, failure, success]"
+    mocks = ONE_PLACE % (plans, ends)
     assert exit_status(monkeypatch, tmp_path, mocks) == 0
 
 
