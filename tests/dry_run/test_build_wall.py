@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from executive.commands.main import main
@@ -227,6 +228,12 @@ def test_a_place_that_was_planned_again_is_not_tried_again(
     ends = "FindOwnPlace: [success], PlanPlacement: [success, failure, failure, success]"
     mocks = ONE_PLACE % (plans, ends)
     assert exit_status(monkeypatch, tmp_path, mocks) == 0
+
+
+def test_a_stone_that_turns_in_the_jaws_is_taken_by_another_grasp() -> None:
+    nodes = [n for tree in load_mission("build_wall", ()).trees.values() for n in tree.root.walk()]
+    uses = [use for node in nodes for use in uses_of(node) if use.name == "SeeHeld"]
+    assert np.radians(10) in [pytest.approx(use.settings.max_turn) for use in uses]
 
 
 OVER = """api: 1
