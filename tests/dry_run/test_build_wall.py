@@ -230,6 +230,16 @@ def test_a_place_that_was_planned_again_is_not_tried_again(
     assert exit_status(monkeypatch, tmp_path, mocks) == 0
 
 
+def test_a_stone_rests_as_far_above_its_plan_as_below_or_is_carried_on() -> None:
+    nodes = [n for tree in load_mission("build_wall", ()).trees.values() for n in tree.root.walk()]
+    uses = [use for node in nodes for use in uses_of(node) if use.name == "LowerUntilDown"]
+    drop_m = 0.05  # of `slots`: the plan is the release, and not the rest
+    at_place = [use.settings for use in uses if use.settings.early is not None]
+    assert len(at_place) == 2
+    for one in at_place:
+        assert one.early + drop_m == pytest.approx(one.below - drop_m)
+
+
 def test_a_stone_that_turns_in_the_jaws_is_taken_by_another_grasp() -> None:
     nodes = [n for tree in load_mission("build_wall", ()).trees.values() for n in tree.root.walk()]
     uses = [use for node in nodes for use in uses_of(node) if use.name == "SeeHeld"]
