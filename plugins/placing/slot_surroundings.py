@@ -94,7 +94,11 @@ class SlotSurroundings:
         self._ground, self._neighbours = near[~is_high], near[is_high]
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
         is_on_soil = not is_posed or _is_on_soil(near, level)
-        self._digs_m = gripper.digs_m if is_on_soil else 0.0
+        self._soil = self._ground - (0.0, 0.0, gripper.digs_m if is_on_soil else 0.0)
+        if is_posed and self._tree is not None:  # the foot of a neighbour is no soil
+            high = cKDTree(self._neighbours[:, :2])
+            is_foot = high.query(self._ground[:, :2])[0] < _LEVEL_M
+            self._soil[is_foot] = self._ground[is_foot]
 
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
         """Return whether stone and opening jaws clear the neighbours, and the jaws the ground.
@@ -116,8 +120,7 @@ class SlotSurroundings:
             neighbours = self._neighbours + (0.0, 0.0, self._lowered_m)
         if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False
-        ground = self._ground - (0.0, 0.0, self._digs_m)
-        return self._depth_m(transform(T_gripper_map, ground), angles) < _IN_GROUND_M
+        return self._depth_m(transform(T_gripper_map, self._soil), angles) < _IN_GROUND_M
 
     def _depth_m(self, points_gripper: Float, angles: Float) -> float:
         """Return the largest depth of a point in the gripper at any of the jaws' angles [m].

@@ -76,6 +76,19 @@ def test_jaws_may_be_in_the_ground_as_far_as_they_dig(machine: Machine, site: tu
         assert on_stones.is_free(T_MAP_GRIPPER, STONE) == (deep_m == 0.0)
 
 
+def test_jaws_do_not_dig_into_the_foot_of_a_neighbour(machine: Machine, site: tuple) -> None:
+    """What is at most 15 cm high is ground, but not beside what is higher."""
+    ground: Callable[..., Float] = site[1]
+    tip = lowest(machine)
+    level = tip[2] + 0.1
+    slot = SlotFoot(np.array([0.0, 0.0, level]), 0.5, lowered_m=0.0)
+    cloud = ground(4.0) + (0.0, 0.0, level)
+    higher = np.array([tip + (0.0, 0.12, 0.5)])  # beside the jaw, and farther than 5 cm from it
+    for more, is_free in ((np.empty((0, 3)), True), (higher, False)):
+        around = SlotSurroundings(machine.gripper, np.vstack([cloud, more]), slot)
+        assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
+
+
 def test_the_stone_keeps_ten_centimetres_from_a_neighbour(machine: Machine, site: tuple) -> None:
     ground: Callable[..., Float] = site[1]
     neighbour = outermost(machine) + (0.0, 0.5, 0.0)
