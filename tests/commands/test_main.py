@@ -81,7 +81,7 @@ def test_shows_a_whole_mission_for_machines(tmp_path):
         ).stdout
     )
     assert shown["plugins"]["robot"]["site"]["stones"]["count"] == 3
-    assert set(shown["trees"]) == {"main", "map_and_segment"}
+    assert set(shown["trees"]) == {"main", "map_and_segment", "scan_first"}
 
 
 def test_prints_its_version():

@@ -74,7 +74,7 @@ def test_the_papers_ranking_orders_what_is_predicted_to_succeed_by_distance(plan
     assert accepted[0] == min(accepted)
 
 
-def test_when_never_is_predicted_to_succeed_the_likeliest_comes_first(plan: Callable) -> None:
+def test_when_nothing_is_predicted_to_succeed_the_likeliest_comes_first(plan: Callable) -> None:
     failures = [
         g.costs["failure"] for g in plan(ranking="paper", rehearsed=0, min_success=1.0).grasps
     ]
@@ -129,8 +129,8 @@ def test_a_grasp_that_falls_when_rehearsed_is_refused(
     plan: Callable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(SimulatedLift, "lift", lambda *_: Lifted(FALLEN_M, 0.0, 0.0))
-    never = plan()
-    assert (never.grasps, never.refused["slips"]) == ((), 12)
+    nothing = plan()
+    assert (nothing.grasps, nothing.refused["slips"]) == ((), 12)
 
 
 def test_a_grasp_below_the_score_that_the_mission_asks_for_is_refused(plan: Callable) -> None:
