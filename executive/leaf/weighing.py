@@ -19,6 +19,7 @@ LEAST_SHARE = 0.67
 # in density; and for how many stones it counts, as the spread of a few says little.
 _ONE_SITE, _ONE_SITE_STONES = 0.07, 4
 SURE = 2.0  # standard deviations of a weight
+_AGREE, _LEAST_STD_KG = 0.99, 1.0  # no weight is known better
 # Where the stone is in the jaws leaves 3 % of its mass open; a sway that leaves half of that open
 # adds a tenth to it. Nothing is known of a sway that is slower than the slowest one.
 _KNOWN, _LONGEST_S = 0.015, float(PERIODS_S[-1])
@@ -88,6 +89,17 @@ def least_kg(stone: Stone, stones: Sequence[Stone], share: float = LEAST_SHARE) 
     if weighed:
         share = _least_of_next([one.mass_kg / one.mass_by_volume_kg for one in weighed])
     return share * stone.mass_by_volume_kg
+
+
+def agree(weights: Sequence[Weight]) -> bool:
+    """Return whether weights may be of one mass: their spread is what 99 % of such weights have."""
+    from executive.geometry import chi_square  # scipy: reading a mission does not wait for it
+
+    masses_kg = np.array([one.mass_kg for one in weights])
+    precision = 1.0 / np.maximum([one.std_kg for one in weights], _LEAST_STD_KG) ** 2
+    mean_kg = float((precision * masses_kg).sum() / precision.sum())
+    spread = float((precision * (masses_kg - mean_kg) ** 2).sum())
+    return spread <= chi_square.quantile(_AGREE, len(weights) - 1)
 
 
 def _least_of_next(shares: Sequence[float]) -> float:

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from executive.behaviours.trial_lift import TrialLift
+from executive.behaviours.trial_lift import TrialLift, TrialLiftSettings
 from executive.events.stone import StoneNotLifted
 from executive.geometry.pose import pose
+from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
 from executive.messages.command import Follow
 from executive.messages.request import MotionPlan
@@ -120,6 +121,50 @@ def test_stones_that_were_placed_tell_what_the_others_weigh(
     database.stones = lambda: (one, *placed)
     world.leaf_context.payload = share * held_kg(world, database)
     assert world.tick(TrialLift, hold=world.hold).status == status
+
+
+@pytest.mark.parametrize(
+    ("yaws", "shares", "status"),
+    [
+        ([0.0, 0.5, 1.0], [0.8, 0.8, 0.8], "SUCCESS"),
+        ([0.0, 0.5], [0.8, 0.8], "FAILURE"),  # the ground may bear as much of it twice
+        ([0.0, 0.5, 0.1], [0.8, 0.8, 0.8], "FAILURE"),  # a grasp that was tried before
+        ([0.0, 0.5, 1.0], [0.8, 0.7, 0.8], "FAILURE"),
+        ([0.0, 0.5, 1.0, 1.5], [0.8, 0.7, 0.8, 0.8], "SUCCESS"),
+        ([0.0, 0.5, 1.0], [0.6, 0.6, 0.6], "FAILURE"),  # lighter than any rock
+    ],
+)
+def test_a_stone_of_which_as_much_hangs_by_three_grasps_is_a_light_one(
+    stage, fakes, world, database, yaws, shares, status
+):
+    """Six stones that were placed tell that 0.85 of its mass by volume has to hang at least."""
+    planned(stage, world)
+    one, other = database.stone(1), database.stone(2)
+    weight = Weight(0.96 * other.mass_by_volume_kg, 5.0)
+    placed = [replace(other, state=StoneState.PLACED, weight=weight)] * 6
+    database.stones = lambda: (one, *placed)
+    leaf = TrialLift(TrialLiftSettings(), world.leaf_context)
+    for yaw, share in zip(yaws, shares, strict=True):
+        world.leaf_context.time_s, world.leaf_context.payload = (
+            0.0,
+            share * held_kg(world, database),
+        )
+        T = world.hold.T_map_gripper.copy()
+        T[:3, :3] = from_rpy(0.0, 0.0, yaw) @ T[:3, :3]
+        ended = fakes.finish(leaf, hold=replace(world.hold, T_map_gripper=T))
+    assert ("SUCCESS" if ended.success else "FAILURE") == status
+
+
+def test_three_grasps_tell_nothing_of_a_stone_that_was_weighed(stage, fakes, world, database):
+    planned(stage, world)
+    database.weigh(1, Weight(held_kg(world, database), 20.0), 1.0)
+    world.leaf_context.payload = 0.8 * held_kg(world, database)
+    leaf = TrialLift(TrialLiftSettings(), world.leaf_context)
+    for yaw in (0.0, 0.5, 1.0):
+        world.leaf_context.time_s = 0.0
+        T = world.hold.T_map_gripper.copy()
+        T[:3, :3] = from_rpy(0.0, 0.0, yaw) @ T[:3, :3]
+        assert not fakes.finish(leaf, hold=replace(world.hold, T_map_gripper=T)).success
 
 
 def test_light_stones_may_hang_with_less_of_their_volume(stage, world, database):
