@@ -141,7 +141,8 @@ class TrialLift(Action[TrialLiftSettings]):
         The ground bears another part of a stone that is held elsewhere. Of a stone that has hung
         free before more is known than that.
         """
-        if weight.mass_kg < self.settings.borne * stone.mass_by_volume_kg or stone.weight:
+        is_lighter = weight.mass_kg < self.settings.borne * stone.mass_by_volume_kg
+        if is_lighter or stone.weight is not None:
             return False
         T_object_gripper = inverse(stone.T_map_object) @ hold.T_map_gripper
         trials = self._trials.setdefault(stone.id, [])
