@@ -9,7 +9,8 @@ from executive_plugins.motion.self_collision import SelfCollision, machine_bodie
 from executive.machine.machine import load_machine
 
 M545 = load_machine("m545")
-CALLS, MOST_BYTES = 300, 100  # a call; 32 bytes for each of 32 bodies were 1,024
+ROUNDS = 4
+CALLS, MOST_BYTES = 300, 100  # in a round; for a call; 32 bytes for each of 32 bodies were 1,024
 
 
 class Heap(ctypes.Structure):
@@ -40,8 +41,12 @@ def test_a_check_for_each_motion_takes_no_memory_in_the_long_run() -> None:
 
     for _ in range(20):
         checked()
-    before = used_bytes()
-    for _ in range(CALLS):
-        checked()
-    assert (used_bytes() - before) / CALLS < MOST_BYTES
+    grown = []
+    for _ in range(ROUNDS):
+        before = used_bytes()
+        for _ in range(CALLS):
+            checked()
+        grown.append(used_bytes() - before)
+    # Threads of other tests may allocate meanwhile: a leak grows in every round.
+    assert min(grown) / CALLS < MOST_BYTES
     assert len(bodies) * 32 > 3 * MOST_BYTES  # so an object a check and body would be noticed
