@@ -95,13 +95,15 @@ class StoneNotLifted(Event):
         stone: Id of the stone.
         up_m: Height of the gripper above the grasp [m].
         hanging_kg: What hangs in the jaws [kg].
-        least_kg: Least that the stone weighs by what is known of it [kg].
+        least_kg: Mass from which it would have been taken to hang free [kg].
+        higher_kg: What hung in the jaws as it was raised on [kg]; None if it was not.
     """
 
     stone: int
     up_m: float
     hanging_kg: float
     least_kg: float
+    higher_kg: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

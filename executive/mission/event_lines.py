@@ -56,7 +56,8 @@ def _of_driving(event: Event) -> str:
 
 def _hanging(event: stone.StoneNotLifted) -> str:
     """Return how much of a stone hangs in the jaws."""
-    return f"{event.hanging_kg:.0f} of at least {event.least_kg:.0f} kg hang in the jaws"
+    told = f"{event.hanging_kg:.0f} of at least {event.least_kg:.0f} kg hang in the jaws"
+    return told if event.higher_kg is None else f"{told}, {event.higher_kg:.0f} kg higher up"
 
 
 def _of_stone(event: Event) -> str:

@@ -70,6 +70,9 @@ LINES = {
     "stone 4: not lifted, 1306 of at least 1540 kg hang in the jaws": stone.StoneNotLifted(
         4, 0.2, 1305.6, 1540.2
     ),
+    "stone 4: not lifted, 1306 of at least 1540 kg hang in the jaws, 1102 kg higher up": (
+        stone.StoneNotLifted(4, 0.2, 1305.6, 1540.2, 1101.7)
+    ),
     "stone 4: stands, -0.03 m from the planned height": stone.StoneTouchedDown(4, -0.034, 1.0),
     "stone 4: stands, +0.03 m from the planned height": stone.StoneTouchedDown(4, 0.034, 1.0),
     "stone 4: set down on slot 2": RELEASED,

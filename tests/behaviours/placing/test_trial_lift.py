@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from executive.behaviours.trial_lift import TrialLift, TrialLiftSettings
+from executive.behaviours.trial_lift import TrialLift
 from executive.events.stone import StoneNotLifted
 from executive.geometry.pose import pose
-from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
 from executive.messages.command import Follow
 from executive.messages.request import MotionPlan
@@ -69,7 +68,8 @@ def test_a_stone_of_which_the_ground_carries_a_part_is_not_lifted(
     assert ended.reason.endswith("(by its volume; light stones need less `borne`)")
     (event,) = told
     assert event.hanging_kg == pytest.approx(share * whole_kg)
-    assert event.least_kg == pytest.approx(0.67 * whole_kg)
+    assert event.least_kg == pytest.approx(whole_kg)
+    assert event.higher_kg is None
     assert event.up_m == pytest.approx(0.05)
 
 
@@ -97,19 +97,21 @@ def test_a_stone_that_was_weighed_before_has_to_weigh_as_much(
 
 
 @pytest.mark.parametrize(
-    ("weighed", "share", "status"),
+    ("weighed", "share", "lifts"),
     [
-        ([0.96], 0.78, "SUCCESS"),  # one stone tells the level, and little of the spread
-        ([0.96], 0.74, "FAILURE"),
-        ([0.96] * 6, 0.87, "SUCCESS"),
-        ([0.96] * 6, 0.84, "FAILURE"),
-        ([0.84, 0.78, 0.9], 0.71, "SUCCESS"),  # natural stones fill their hulls by less
-        ([0.84, 0.78, 0.9], 0.66, "FAILURE"),
-        ([1.3] * 6, 0.91, "SUCCESS"),
+        ([], 0.99, 2),
+        ([], 1.0, 1),
+        ([0.96], 0.87, 1),  # one stone tells the level, and little of the spread
+        ([0.96], 0.85, 2),
+        ([0.96] * 6, 0.91, 1),
+        ([0.96] * 6, 0.89, 2),
+        ([0.84, 0.78, 0.9], 0.77, 1),  # natural stones fill their hulls by less
+        ([0.84, 0.78, 0.9], 0.74, 2),
+        ([1.3] * 6, 0.95, 1),
     ],
 )
-def test_stones_that_were_placed_tell_what_the_others_weigh(
-    stage, world, database, weighed, share, status
+def test_stones_that_were_placed_tell_which_others_are_weighed_once_more(
+    stage, world, database, weighed, share, lifts
 ):
     """A view from one side has too small a volume: its stone seems heavy, and tells nothing."""
     planned(stage, world)
@@ -120,51 +122,77 @@ def test_stones_that_were_placed_tell_what_the_others_weigh(
     ]
     database.stones = lambda: (one, *placed)
     world.leaf_context.payload = share * held_kg(world, database)
-    assert world.tick(TrialLift, hold=world.hold).status == status
+    assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
+    assert len(plugins(world)["motion"].calls("move")) == lifts
+
+
+def weighed_at(world, database, shares):
+    """Let the share of its mass by volume that hangs in the jaws depend on the lift."""
+    whole_kg, motion = held_kg(world, database), plugins(world)["motion"]
+
+    def payload_kg():
+        return shares[len(motion.calls("move")) - 1] * whole_kg
+
+    world.leaf_context.payload_kg = payload_kg
 
 
 @pytest.mark.parametrize(
-    ("yaws", "shares", "status"),
+    ("shares", "lifts", "status"),
     [
-        ([0.0, 0.5, 1.0], [0.8, 0.8, 0.8], "SUCCESS"),
-        ([0.0, 0.5], [0.8, 0.8], "FAILURE"),  # the ground may bear as much of it twice
-        ([0.0, 0.5, 0.1], [0.8, 0.8, 0.8], "FAILURE"),  # a grasp that was tried before
-        ([0.0, 0.5, 1.0], [0.8, 0.7, 0.8], "FAILURE"),
-        ([0.0, 0.5, 1.0, 1.5], [0.8, 0.7, 0.8, 0.8], "SUCCESS"),
-        ([0.0, 0.5, 1.0], [0.6, 0.6, 0.6], "FAILURE"),  # lighter than any rock
+        ([1.0], 1, "SUCCESS"),
+        ([0.8, 0.8], 2, "SUCCESS"),  # the first stone of a site is weighed at two heights
+        ([0.8, 0.83], 2, "SUCCESS"),
+        ([0.8, 0.75], 2, "FAILURE"),  # an edge still stands, and the stone tilts about it
+        ([0.8, 1.0], 2, "FAILURE"),
+        ([0.6, 0.6], 1, "FAILURE"),  # lighter than any rock
     ],
 )
-def test_a_stone_of_which_as_much_hangs_by_three_grasps_is_a_light_one(
-    stage, fakes, world, database, yaws, shares, status
+def test_a_light_stone_hangs_free_if_it_weighs_the_same_higher_up(
+    stage, world, database, shares, lifts, status
 ):
-    """Six stones that were placed tell that 0.85 of its mass by volume has to hang at least."""
     planned(stage, world)
-    one, other = database.stone(1), database.stone(2)
-    weight = Weight(0.96 * other.mass_by_volume_kg, 5.0)
-    placed = [replace(other, state=StoneState.PLACED, weight=weight)] * 6
-    database.stones = lambda: (one, *placed)
-    leaf = TrialLift(TrialLiftSettings(), world.leaf_context)
-    for yaw, share in zip(yaws, shares, strict=True):
-        world.leaf_context.time_s, world.leaf_context.payload = (
-            0.0,
-            share * held_kg(world, database),
-        )
-        T = world.hold.T_map_gripper.copy()
-        T[:3, :3] = from_rpy(0.0, 0.0, yaw) @ T[:3, :3]
-        ended = fakes.finish(leaf, hold=replace(world.hold, T_map_gripper=T))
-    assert ("SUCCESS" if ended.success else "FAILURE") == status
+    weighed_at(world, database, shares)
+    ended = world.tick(TrialLift, hold=world.hold)
+    assert ended.status == status
+    asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
+    assert asked == pytest.approx([0.2, 0.1][:lifts])
+    told = [one for one in world.leaf_context.events if isinstance(one, StoneNotLifted)]
+    if status == "SUCCESS":
+        assert told == []
+    elif lifts == 2:
+        assert ended.reason.endswith("as it was raised on: what hangs free weighs the same")
+        assert told[0].higher_kg == pytest.approx(shares[1] * held_kg(world, database))
 
 
-def test_three_grasps_tell_nothing_of_a_stone_that_was_weighed(stage, fakes, world, database):
+def test_a_light_stone_whose_weight_is_noise_is_not_taken_to_hang_free(stage, world, database):
+    """Two weights that nobody knows to a tenth are not known to be equal."""
+    planned(stage, world)
+    rng, whole_kg = np.random.default_rng(3), held_kg(world, database)
+    world.leaf_context.payload_kg = lambda: whole_kg * (0.85 + 0.3 * rng.normal())
+    assert world.tick(TrialLift, hold=world.hold).status == "FAILURE"
+
+
+def test_a_light_stone_that_cannot_be_raised_on_is_not_taken_to_hang_free(stage, world, database):
+    planned(stage, world)
+    move, weighed = plugins(world)["motion"].move, []
+
+    def once(request):
+        weighed.append(request)
+        return move(request) if len(weighed) == 1 else MotionPlan(None, "out of reach", NO_PATH)
+
+    plugins(world)["motion"].move = once
+    world.leaf_context.payload = 0.8 * held_kg(world, database)
+    ended = world.tick(TrialLift, hold=world.hold)
+    assert ended.status == "FAILURE"
+    assert ended.reason.endswith("it could not be raised on to be weighed once more")
+
+
+def test_a_stone_that_was_weighed_is_not_raised_on(stage, world, database):
     planned(stage, world)
     database.weigh(1, Weight(held_kg(world, database), 20.0), 1.0)
     world.leaf_context.payload = 0.8 * held_kg(world, database)
-    leaf = TrialLift(TrialLiftSettings(), world.leaf_context)
-    for yaw in (0.0, 0.5, 1.0):
-        world.leaf_context.time_s = 0.0
-        T = world.hold.T_map_gripper.copy()
-        T[:3, :3] = from_rpy(0.0, 0.0, yaw) @ T[:3, :3]
-        assert not fakes.finish(leaf, hold=replace(world.hold, T_map_gripper=T)).success
+    assert world.tick(TrialLift, hold=world.hold).status == "FAILURE"
+    assert len(plugins(world)["motion"].calls("move")) == 1
 
 
 def test_light_stones_may_hang_with_less_of_their_volume(stage, world, database):
@@ -239,24 +267,24 @@ def test_a_stone_that_sways_is_judged_by_the_level_of_its_sway(
     weighed_s = swaying(world, share * held_kg(world, database), 0.25, phase)
     ended = world.tick(TrialLift, hold=world.hold)
     assert ended.status == status
-    assert 0.4 < weighed_s() < 1.5
+    assert 0.4 < weighed_s() < 3 * 2.5
 
 
-def test_a_sway_that_leaves_the_mass_open_is_weighed_for_no_longer_than_a_swing(
+def test_a_sway_that_leaves_the_mass_open_is_weighed_for_no_longer_than_two_swings(
     stage, world, database
 ):
-    """Noise of a third of the mass never tells on which side of the least one it is."""
+    """Noise of a third of the mass never tells on which side of the whole it is, nor how much."""
     planned(stage, world)
     rng, whole_kg = np.random.default_rng(2), held_kg(world, database)
     weighed_s = []
 
     def payload_kg():
         weighed_s.append(world.leaf_context.time_s)
-        return whole_kg * (0.67 + 0.3 * rng.normal())
+        return whole_kg * (0.6 + 0.3 * rng.normal())
 
     world.leaf_context.payload_kg = payload_kg
     ended = world.tick(TrialLift, hold=world.hold)
-    assert weighed_s[-1] - weighed_s[0] == pytest.approx(2.5, abs=0.11)
+    assert 2.5 < weighed_s[-1] - weighed_s[0] < 5.2
     assert " ± " in ended.reason
 
 

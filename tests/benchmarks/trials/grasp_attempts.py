@@ -25,7 +25,7 @@ from executive.clock import wall_s
 from executive.errors import RobotError
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import about_axis, angle_between, exp_so3
-from executive.leaf.weighing import least_kg
+from executive.leaf.weighing import asked_of
 from executive.messages.cloud import Cloud
 from executive.messages.command import Follow, MoveJaws, SwitchLidars
 from executive.messages.ground_below import ground_below
@@ -109,7 +109,7 @@ class Site:
             return np.nan
         self.masses_kg = []
         self.run(trial.wait)
-        share = float(np.mean(self.masses_kg)) / least_kg(stone, (), trial.borne)
+        share = float(np.mean(self.masses_kg)) / asked_of(stone, (), trial.borne).least_kg
         if share >= 1.0:
             T_base_map = inverse(self.world.T_world_base)
             around, T_base_gripper = self.surroundings(others).points, T_base_map @ self.gripper()
