@@ -189,6 +189,8 @@ class FixedLifts(Rehearsal):
 class DrawnLifts(Rehearsal):
     """Lifts with errors of pose and friction and another foot of the stone, each one a trial.
 
+    The frictions cover their range: one is drawn of each of its quarters (McKay et al. 1979).
+
     The lowest decimetre of a stone is hardly seen below its bulges, and the jaws close there: a
     foot as wide as the outline above it keeps the stone from rolling, and one that is drawn in lets
     the tips below it.
@@ -211,13 +213,15 @@ class DrawnLifts(Rehearsal):
 
     def __init__(self, belief: Belief, shift_m: float, turn_rad: float) -> None:
         rng = np.random.default_rng(_SEED)
+        least, largest = belief.friction
+        shares = (rng.permutation(_DRAWN) + rng.uniform(size=_DRAWN)) / _DRAWN
         self._variants = [
             (
                 foot,
                 drawn_offset(rng, shift_m, turn_rad),
-                belief.contact(float(rng.uniform(*belief.friction))),
+                belief.contact(float(least + share * (largest - least))),
             )
-            for foot in _FEET
+            for foot, share in zip(_FEET, shares, strict=True)
         ]
         self._open_rad = belief.gripper.open_rad
 

@@ -3,7 +3,7 @@
 from typing import ClassVar, Literal
 
 from executive_plugins.grasping.sampling.settings import SamplingSettings
-from executive_plugins.physics.scenario import Scenario
+from executive_plugins.physics.belief import Assumed
 from pydantic import Field, field_validator, model_validator
 
 from executive.config import Meters, Radians
@@ -37,10 +37,10 @@ class SampledPlannerSettings(SamplingSettings):
         description="Largest number of grasps that are lifted in simulation; with 0 none is, and "
         "the order is kept.",
     )
-    physics: Scenario = Field(
-        "nominal",
+    physics: Assumed = Field(
+        "wet_to_dry",
         description="Contacts that simulated lifts assume: those of a scenario of the simulator, "
-        "whatever the world has.",
+        "whatever the world has; wet_to_dry has the friction of wet to dry stones.",
     )
     steel_friction: tuple[float, float] | None = Field(
         None,

@@ -5,18 +5,23 @@ world, as nobody tells a mission how wet the stones are.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 from executive_plugins.physics.scenario import Scenario, contact_of
 from executive_plugins.physics.surface import ContactModel, Surface, uniform
 
 from executive.machine.gripper import Gripper
 
+# A scenario, or stones that may be wet or dry: the soil of `nominal`, and friction of both.
+Assumed = Literal["wet_to_dry", "kind", "nominal", "wet", "harsh"]
+
 # Rehearsals that assume `kind` have less friction and torsion than the world `kind` (0.6, 0.08 m),
 # as they had before there were scenarios: all figures of `kind` were drawn so.
 _KIND_TORSIONAL_M = 0.05
 # Friction of steel on stone. Outside `kind` the range reaches half of the way from `nominal` to
-# `wet`, on both sides of the scenario's own number.
-_FRICTION: dict[Scenario, tuple[float, float]] = {
+# `wet`, on both sides of the scenario's own number; `wet_to_dry` is both of these ranges.
+_FRICTION: dict[Assumed, tuple[float, float]] = {
+    "wet_to_dry": (0.25, 0.45),
     "kind": (0.45, 0.65),
     "nominal": (0.35, 0.45),
     "wet": (0.25, 0.35),
@@ -29,7 +34,7 @@ class Belief:
     """The contacts that a rehearsal assumes.
 
     Attributes:
-        scenario: Whose contacts they are.
+        scenario: Whose contacts they are, but for the friction of steel.
         gripper: The gripper that touches the stone.
         friction: Least and largest friction of steel on stone.
     """
@@ -60,7 +65,8 @@ class Belief:
 
 
 def belief_of(
-    scenario: Scenario, gripper: Gripper, friction: tuple[float, float] | None = None
+    assumed: Assumed, gripper: Gripper, friction: tuple[float, float] | None = None
 ) -> Belief:
-    """Return the belief in a scenario, with its own range of friction if none is given."""
-    return Belief(scenario, gripper, friction or _FRICTION[scenario])
+    """Return what is assumed, with its own range of friction of steel if none is given."""
+    scenario = "nominal" if assumed == "wet_to_dry" else assumed
+    return Belief(scenario, gripper, friction or _FRICTION[assumed])

@@ -107,6 +107,14 @@ def test_all_grasps_are_rehearsed_with_the_same_errors() -> None:
         assert contact == contact_again
 
 
+def test_drawn_lifts_have_a_friction_of_each_quarter_of_the_range_that_is_assumed() -> None:
+    lifts = Given([HELD] * 4)
+    rehearsal_of(belief_of("wet_to_dry", GRIPPER), SHIFT_M, TURN_RAD).lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
+    frictions = sorted(contact.steel.friction for _, _, contact in lifts.made)
+    for friction, least in zip(frictions, (0.25, 0.3, 0.35, 0.4), strict=True):
+        assert least <= friction <= least + 0.05
+
+
 def test_drawn_lifts_are_off_by_no_more_than_the_arm_is_said_to_be_and_use_most_of_it() -> None:
     lifts = Given([HELD] * 4)
     rehearsal("nominal").lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]

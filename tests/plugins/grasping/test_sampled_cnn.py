@@ -104,7 +104,10 @@ def test_rehearsals_have_the_contacts_that_the_settings_assume(
 
     monkeypatch.setattr(SimulatedLift, "lift", lift)
     plan()
-    assert 0.35 <= min(frictions) < max(frictions) <= 0.45  # steel of the default world, `nominal`
+    assert 0.25 <= min(frictions) < 0.3 < 0.4 < max(frictions) <= 0.45  # wet to dry
+    frictions.clear()
+    plan(physics="nominal")
+    assert 0.35 <= min(frictions) < max(frictions) <= 0.45
     frictions.clear()
     plan(physics="kind")
     assert set(frictions) == {0.45, 0.55}

@@ -35,3 +35,10 @@ def test_a_range_of_friction_that_is_given_replaces_that_of_the_scenario() -> No
     belief = belief_of("nominal", GRIPPER, (0.2, 0.3))
     assert belief.contact(belief.least).steel.friction == 0.2
     assert belief.contact(0.2).soil == contact_of("nominal", GRIPPER).soil
+
+
+def test_stones_that_may_be_wet_or_dry_have_the_friction_of_both_and_the_soil_of_nominal() -> None:
+    belief = belief_of("wet_to_dry", GRIPPER)
+    wet, dry = (belief_of(scenario, GRIPPER).friction for scenario in ("wet", "nominal"))
+    assert belief.friction == (wet[0], dry[1])
+    assert belief.contact(0.3).soil == contact_of("nominal", GRIPPER).soil
