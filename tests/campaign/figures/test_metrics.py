@@ -202,6 +202,7 @@ EXPECTED = {
     "success": Share(1, 1),
     "placed": Share(2, 4),  # 0.30 m counts
     "first_attempt": Share(1, 4),
+    "within_three": Share(2, 4),
     "attempts": Values((2, 1, 1)),
     "placement_error": Values((0.1, 0.30, 0.31)),
     "lifted": Share(3, 4),
@@ -286,7 +287,7 @@ def test_a_metric_is_what_its_definition_says(name: str) -> None:
 GOOD = {
     "as_named", "built_as_planned", "drops_found", "faults_noticed", "first_attempt", "held",
     "lifted", "placed", "real_time_factor", "realigned", "registered", "registrations",
-    "stones_built", "stones_known", "structure_ended", "success",
+    "stones_built", "stones_known", "structure_ended", "success", "within_three",
 }  # fmt: skip
 COUNTED = {"attempts", "collisions", "drops_missed", "ghosts", "plugin_failures", "slips",
           "stones_built", "cpu_per_simulated_second", "real_time_factor"}  # fmt: skip

@@ -35,17 +35,22 @@ class FirstAttempt(Metric):
     )
 
     def measure(self, run: RunRecord) -> Share | None:
-        found = stones(run)
-        if not found:
-            return None
-        first: dict[int, PickReport] = {}
-        for pick in run.report.picks:
-            first.setdefault(pick.object, pick)
-        at_once = {
-            number for number, pick in first.items() if pick.placed and len(pick.attempts) == 1
-        }
-        hits = sum(_is_near(one) and one.held_object in at_once for one in found)
-        return Share(hits, len(found))
+        return _placed_within(run, 1)
+
+
+class WithinThree(Metric):
+    """Stones that one of the first three attempts has placed."""
+
+    title = "stones placed within three attempts"
+    is_share = True
+    description = (
+        "Stones whose first relocation took three attempts at most, counted as those of"
+        f" `first_attempt`, and that are within {NEAR_M:.2f} m of their slot by the truth at the"
+        " end, out of all stones of the site."
+    )
+
+    def measure(self, run: RunRecord) -> Share | None:
+        return _placed_within(run, 3)
 
 
 class PlacementError(Metric):
@@ -82,3 +87,16 @@ class Attempts(Metric):
 def _is_near(stone: TrueStone) -> bool:
     error = stone.slot_error_m
     return error is not None and error <= NEAR_M
+
+
+def _placed_within(run: RunRecord, most: int) -> Share | None:
+    """Return the stones whose first relocation took so many attempts at most."""
+    found = stones(run)
+    if not found:
+        return None
+    first: dict[int, PickReport] = {}
+    for pick in run.report.picks:
+        first.setdefault(pick.object, pick)
+    soon = {number for number, pick in first.items() if pick.placed and len(pick.attempts) <= most}
+    hits = sum(_is_near(one) and one.held_object in soon for one in found)
+    return Share(hits, len(found))
