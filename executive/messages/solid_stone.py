@@ -25,6 +25,7 @@ class SolidStone:
             At its place there has to be room for those of one grasp; without any it is set down by
             nothing.
         volume_m3: Volume within the surface [m³].
+        extents_m: Lengths along the principal axes of the surface, longest first, (3,) [m].
     """
 
     name: str
@@ -34,6 +35,7 @@ class SolidStone:
     doubt_m: float = 0.0
     jaws: tuple[Float, ...] = ()
     volume_m3: float = field(init=False)
+    extents_m: Float = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", checked("vertices", self.vertices, None, 3))
@@ -51,6 +53,7 @@ class SolidStone:
         object.__setattr__(self, "volume_m3", volume_m3)
         if not volume_m3 > 0 or not np.isfinite(self.mass_kg) or self.mass_kg <= 0:
             raise DataError(f"stone '{self.name}': {_NO_VOLUME}, or it has no mass")
+        object.__setattr__(self, "extents_m", checked("extents", _extents_m(self.vertices), 3))
 
     @classmethod
     def of_mesh(
@@ -67,14 +70,13 @@ class SolidStone:
         facing = triangles if volume_m3 > 0 else triangles[:, ::-1]
         return cls(name, vertices - centroid, facing, abs(volume_m3) * density_kg_m3)
 
-    @property
-    def extents_m(self) -> Float:
-        """Return the lengths along the principal axes of the surface, longest first [m], (3,)."""
-        centred = self.vertices - self.vertices.mean(axis=0)
-        axes = np.linalg.svd(centred, full_matrices=False)[2]
-        return np.asarray(np.sort(np.ptp(centred @ axes.T, axis=0))[::-1])
-
     def inertia(self) -> Float:
         """Return the inertia about the origin as of an even density [kg·m²], shape (3, 3)."""
         density = self.mass_kg / self.volume_m3
         return inertia_about_origin(self.vertices, self.triangles, density)
+
+
+def _extents_m(vertices: Float) -> Float:
+    centred = vertices - vertices.mean(axis=0)
+    axes = np.linalg.svd(centred, full_matrices=False)[2]
+    return np.asarray(np.sort(np.ptp(centred @ axes.T, axis=0))[::-1])

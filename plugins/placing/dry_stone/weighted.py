@@ -28,8 +28,6 @@ class Weighted:
 
     def __init__(self, settings: ScorerSettings) -> None:
         self._weights = settings.weights.model_dump()
-        self._inventory: Sequence[SolidStone] = ()
-        self._longest_m = 0.0
 
     def score(
         self, places: Places, built: AsBuilt, inventory: Sequence[SolidStone]
@@ -37,6 +35,7 @@ class Weighted:
         """Return the weighted terms of places, shape (P,) each."""
         m = places.measured
         largest = max(stone.volume_m3 for stone in inventory)
+        extents_m = np.array([stone.extents_m for stone in inventory])
         terms = {
             "volume": np.full(len(places.origins_map), places.stone.volume_m3 / largest),
             "contact": m["contact_share"],
@@ -47,25 +46,19 @@ class Weighted:
             "margin": np.clip(m["support_margin_m"] / _MARGIN_M, 0.0, 1.0),
             "beside": m["beside_share"],
             "joints": m["joints_closed"],
-            "into": 1 - m["along_m"] / self._longest_of(inventory),
-            "gaps": -self._wasted(m["before_m"], inventory) - self._wasted(m["after_m"], inventory),
+            "into": 1 - m["along_m"] / extents_m[:, 0].max(),
+            "gaps": -_wasted(m["before_m"], extents_m) - _wasted(m["after_m"], extents_m),
             "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),
         }
         return {name: self._weights[name] * value for name, value in terms.items()}
 
-    def _wasted(self, free_m: Float, inventory: Sequence[SolidStone]) -> Float:
-        """Return lengths (P,) of a course times the share of stones that they are too short for.
 
-        In lengths that a stone needs, in the median. A stone that lies on its broad side, with its
-        length into the structure, needs the middle one of its extents, and room to either side.
-        """
-        needed_m = np.sort([one.extents_m[1] for one in inventory]) + 2 * _APART_M
-        share = 1 - np.searchsorted(needed_m, free_m, side="right") / len(needed_m)
-        return np.asarray(np.minimum(free_m, needed_m[-1]) * share / np.median(needed_m))
+def _wasted(free_m: Float, extents_m: Float) -> Float:
+    """Return lengths (P,) of a course times the share of stones that they are too short for.
 
-    def _longest_of(self, inventory: Sequence[SolidStone]) -> float:
-        """Return the length of the longest stone [m]; a plan asks for it once an orientation."""
-        if inventory is not self._inventory:
-            self._inventory = inventory
-            self._longest_m = max(float(stone.extents_m[0]) for stone in inventory)
-        return self._longest_m
+    In lengths that a stone needs, in the median. A stone that lies on its broad side, with its
+    length into the structure, needs the middle one of its extents, and room to either side.
+    """
+    needed_m = np.sort(extents_m[:, 1]) + 2 * _APART_M
+    share = 1 - np.searchsorted(needed_m, free_m, side="right") / len(needed_m)
+    return np.asarray(np.minimum(free_m, needed_m[-1]) * share / np.median(needed_m))
