@@ -5,12 +5,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from executive_plugins.placing.dry_stone import drops as measured
 from executive_plugins.placing.dry_stone.drops import DropRules, drops, measured_at
+from executive_plugins.placing.dry_stone.footing import Footing, Noise, footing
 from executive_plugins.placing.dry_stone.jaw_room import has_room
 from executive_plugins.placing.dry_stone.joints import Joints
 from executive_plugins.placing.dry_stone.orientations import orientations
 from executive_plugins.placing.dry_stone.parts import Place, Places
 from executive_plugins.placing.dry_stone.rasters import StoneRaster, WallTop, raster_of
 from executive_plugins.placing.dry_stone.resting import at_rest
+from executive_plugins.placing.dry_stone.rolling import underside_of
 from executive_plugins.placing.dry_stone.settings import GeneratorSettings
 
 from executive.arrays import Float, Int
@@ -82,17 +84,25 @@ class HeightMaps:
     ) -> Places | None:
         """Return a place in the tilt in which the stone rests there, measured anew.
 
-        None if it tilts by more than 20°, or does not fit then.
+        None if it tilts by more than 20°, or does not fit then. It rolls there, and so moves.
         """
         wall, T = self._top_of(built), place.T_map_stone
         node = np.rint(T[:2, 3] / wall.cell_m).astype(np.int64) - wall.corner
-        raster = at_rest(place.stone, T[:3, :3], node, wall)
-        if raster is None:
+        rest = at_rest(place.stone, T[:3, :3], node, wall)
+        if rest is None:
             return None
+        raster, node = rest
         rules, nodes = self._rules(built, inventory), node[None]
         found = measured_at(nodes, wall, raster, rules)
         fitting = self._fitting(place.stone, raster, nodes, found, wall, rules, 0.0)
         return fitting if len(fitting.origins_map) else None
+
+    def footing(self, place: Place, built: AsBuilt, noise: Noise, most_rad: float) -> Footing:
+        """Return how the stone will stand at a place; beyond a tilt, that it is lost."""
+        wall, T = self._top_of(built), place.T_map_stone
+        stone = place.stone
+        raster = raster_of(stone.vertices, stone.triangles, T[:3, :3], wall.cell_m)
+        return footing(underside_of(raster, wall.cell_m), wall, T[:2, 3], noise, most_rad)
 
     def _top_of(self, built: AsBuilt) -> WallTop:
         if self._seen is None or self._seen[0] is not built:

@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import Protocol, TypeVar, cast, runtime_checkable
 
 import numpy as np
+from executive_plugins.placing.dry_stone.footing import Footing, Noise
 
 from executive.arrays import Float
 from executive.config import Settings
@@ -96,6 +97,14 @@ class TiltsToRest(Protocol):
         self, place: "Place", built: AsBuilt, inventory: Sequence[SolidStone]
     ) -> Places | None:
         """Return one place, measured in the tilt in which the stone rests; None if it topples."""
+
+
+@runtime_checkable
+class TellsFooting(Protocol):
+    """What a generator may do besides: tell how a stone will stand, before any check."""
+
+    def footing(self, place: "Place", built: AsBuilt, noise: Noise, most_rad: float) -> Footing:
+        """Return it; a stone that tilts by more than `most_rad` counts as lost."""
 
 
 class Scorer(Protocol):

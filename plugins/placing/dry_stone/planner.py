@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from executive_plugins.placing.dry_stone.check_order import CheckOrder
 from executive_plugins.placing.dry_stone.drops import compile_drops
+from executive_plugins.placing.dry_stone.footing import Noise
 from executive_plugins.placing.dry_stone.height_maps import HeightMaps
 from executive_plugins.placing.dry_stone.parts import (
     Generator,
@@ -15,14 +16,17 @@ from executive_plugins.placing.dry_stone.parts import (
     Scorer,
     Stability,
     StabilityCheck,
+    TellsFooting,
     TiltsToRest,
     part_of,
 )
 from executive_plugins.placing.dry_stone.rasters import WallTop
+from executive_plugins.placing.dry_stone.rolling import STEPS_RAD
 from executive_plugins.placing.dry_stone.search import Search, key_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
 from executive_plugins.placing.dry_stone.spread import spread
 from executive_plugins.placing.dry_stone.stability import (
+    FAR_RAD,
     Checks,
     Equilibrium,
     Settling,
@@ -66,6 +70,9 @@ class DryStone(StructurePlanner):
         finer = parts[0].model_copy(update=more)
         self._finer: Generator = part_of(parts[0].part, "generator", _GENERATORS, finer)
         self._scorer: Scorer = part_of(parts[1].part, "scorer", _SCORERS, parts[1])
+        self._noise = Noise(parts[2])
+        # Told as exactly as a stone rolls in its last step.
+        self._most_rad = (parts[2].most_tilt or FAR_RAD) + STEPS_RAD[-1]
         self._check: StabilityCheck = part_of(parts[2].part, "check", _CHECKS, parts[2])
 
     def start(self) -> None:
@@ -90,28 +97,27 @@ class DryStone(StructurePlanner):
         search = Search(self._generator, built, usable, rng, may_go_on, refused)
         stones = self._tried_first(usable, rng)
         targets: list[BuildTarget] = []
-        for generator, kept in self._rounds():
+        for generator in self._rounds():
             search.go_on_with(generator)
-            targets = self._first(stones, kept, search)
+            targets = self._first(stones, search)
             if targets or not may_go_on():
                 break
         if not targets and not may_go_on():
             refused["out_of_time"] += 1
         return _plan(targets, refused, len(usable))
 
-    def _rounds(self) -> list[tuple[Generator, int]]:
-        """Return by whom, and how many a stone, places are proposed: too few look like no room."""
-        kept, tries = self._settings.generator.kept, self._settings.check.tries
-        rounds = [(self._generator, kept), (self._generator, tries)]
-        return rounds if self._settings.generator.finer == 1 else [*rounds, (self._finer, tries)]
+    def _rounds(self) -> list[Generator]:
+        """Return by whom places are proposed: too few turns look like no room."""
+        rounds: list[Generator] = [self._generator]
+        return rounds if self._settings.generator.finer == 1 else [*rounds, self._finer]
 
-    def _first(self, stones: Sequence[SolidStone], kept: int, search: Search) -> list[BuildTarget]:
-        """Return the targets of the first lot of stones that has one, by so many places a stone."""
+    def _first(self, stones: Sequence[SolidStone], search: Search) -> list[BuildTarget]:
+        """Return the targets of the first lot of stones that has one."""
         targets: list[BuildTarget] = []
         count = self._settings.generator.stones
         search.refused.pop("no_place", None)  # counted anew
         for first in range(0, len(stones), count):
-            targets = self._held(self._ranked(stones[first : first + count], kept, search), search)
+            targets = self._held(self._ranked(stones[first : first + count], search), search)
             if targets or not search.may_go_on():
                 break
         return targets
@@ -165,39 +171,54 @@ class DryStone(StructurePlanner):
             order = np.concatenate([first, order[~np.isin(order, first)]])
         return [usable[n] for n in order]
 
-    def _ranked(self, stones: Sequence[SolidStone], kept: int, search: Search) -> list[Place]:
-        """Return the best places of each stone, so many of one, best first."""
+    def _ranked(self, stones: Sequence[SolidStone], search: Search) -> list[Place]:
+        """Return the best places of each stone, best first."""
         self._find(stones, search)
         known = [search.found[one.name] for one in stones if one.name in search.found]
         if nowhere := sum(not places for places in known):
             search.refused["no_place"] += nowhere
-        best = [place for places in known for place in places[:kept]]
-        return self._at_rest(sorted(best, key=lambda one: -one.score), search)
+        best = sorted((one for places in known for one in places), key=lambda one: -one.score)
+        if not self._settings.generator.rested:
+            return best
+        firm: list[Place] = []
+        for place in best[: self._settings.generator.rested]:
+            if not search.may_go_on():
+                break
+            key = key_of(place)
+            if key not in search.rested:
+                search.rested[key] = self._firm(place, search)
+            firm += search.rested[key]
+        return sorted(firm, key=lambda one: -one.score)
 
     def _find(self, stones: Sequence[SolidStone], search: Search) -> None:
         """Go through all places of those stones that were not gone through yet."""
         new = [one for one in stones if one.name not in search.found]
         found = search.generator.places(search.built, new, search.rng, search.may_go_on)
-        most = max(self._settings.generator.kept, self._settings.check.tries)
         for stone, places in zip(new, found, strict=False):  # fewer if the time is over
-            search.found[stone.name] = self._best(places, most, search)
+            search.found[stone.name] = self._best(places, self._settings.generator.kept, search)
 
-    def _at_rest(self, ranked: Sequence[Place], search: Search) -> list[Place]:
-        """Return the best places anew, each in the tilt in which its stone comes to rest there."""
-        s, generator = self._settings.generator, search.generator
-        if not s.tilts or not isinstance(generator, TiltsToRest):
-            return list(ranked)
-        found: list[Place] = []
-        for place in [one for one in ranked if key_of(one) not in search.rested][: s.rested]:
-            if not search.may_go_on():
-                break
-            search.rested.add(key_of(place))
+    def _firm(self, place: Place, search: Search) -> list[Place]:
+        """Return a place as its stone rests there, ranked by its chance to hold; none without."""
+        generator, rests = search.generator, [place]
+        if self._settings.generator.tilts and isinstance(generator, TiltsToRest):
             places = generator.at_rest(place, search.built, search.usable)
-            if places is None:
-                search.refused["tilts_away"] += 1
-            else:
-                found += self._best([places], 1, search)
-        return sorted(found, key=lambda one: -one.score)
+            rests = [] if places is None else self._best([places], 1, search)
+        if isinstance(generator, TellsFooting):
+            rests = [firm for one in rests if (firm := self._risked(one, generator, search))]
+        if not rests:
+            search.refused["tilts_away"] += 1
+        return rests
+
+    def _risked(self, place: Place, generator: TellsFooting, search: Search) -> Place | None:
+        """Return a place less what its checks will cost until one like it holds (Weitzman 1979)."""
+        footing = generator.footing(place, search.built, self._noise, self._most_rad)
+        if footing.tilt_rad > self._most_rad:
+            return None
+        if self._settings.check.is_free:
+            return place
+        risk = -self._settings.check.cost / footing.chance
+        terms = {**place.terms, "risk": risk}
+        return Place(place.stone, place.T_map_stone, place.score + risk, terms)
 
     def _best(self, found: Sequence[Places], kept: int, search: Search) -> list[Place]:
         """Return the best places of one stone that are apart, best first."""

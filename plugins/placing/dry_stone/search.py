@@ -27,7 +27,8 @@ class Search:
         found: The best places of each stone that was gone through, by its name, as many as are
             kept when all stones are gone through again.
         checked: Stone and pose of the places that were checked.
-        rested: Those at which the stone was let tilt, as it first touched.
+        rested: The places at which stones rest, by stone and pose as they first touch; none if a
+            stone tilts away.
         failed: Where a stone did not hold, from above [m], shape (2,) each.
     """
 
@@ -39,7 +40,7 @@ class Search:
     refused: Counter[str]
     found: dict[str, Sequence[Place]] = field(default_factory=dict)
     checked: set[tuple[str, bytes]] = field(default_factory=set)
-    rested: set[tuple[str, bytes]] = field(default_factory=set)
+    rested: dict[tuple[str, bytes], Sequence[Place]] = field(default_factory=dict)
     failed: list[Float] = field(default_factory=list)
 
     def go_on_with(self, generator: Generator) -> None:

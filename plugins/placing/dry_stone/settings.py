@@ -79,10 +79,11 @@ class GeneratorSettings(Settings):
         "How far a stone may stand above the envelope [m]; without it half of the thickness of "
         "the stones at hand, so that tops lie about the height that is wanted."))  # fmt: skip
     stones: int = Field(20, ge=1, description="Stones of the inventory that are tried at a time.")
-    kept: int = Field(5, ge=1, description="Places of each stone that are kept.")
-    rested: int = Field(200, ge=0, description=(
-        "Best places of each lot at which the stone tilts to rest on the height map before it is "
-        "ranked again and checked; 0 checks it as it first touches. `kept` attitudes do not tilt."
+    kept: int = Field(60, ge=1, description="Places of each stone that are kept.")
+    rested: int = Field(1000, ge=0, description=(
+        "Best places of each lot at which the stone rolls to rest on the height map, by itself and "
+        "under noise, before it is ranked again and checked; 0 checks it as it first touches. Of "
+        "`kept` attitudes the place stays as it is, and is left out if the stone tilts too far."
     ))  # fmt: skip
 
     @property
@@ -130,10 +131,19 @@ class CheckSettings(Settings):
     tries: int = Field(100, ge=1, description=(
         "Places of each lot of stones that are checked; one that is refused as `tilts` counts as "
         "one release of all."))  # fmt: skip
+    cost: float = Field(0.1, ge=0, description=(
+        "What a check costs, in terms of the score: a place that holds with the chance p is ranked "
+        "lower by this over p, as so many checks find one such place; 0 ranks by the score alone."
+    ))  # fmt: skip
     doubt: float = Field(1.0, ge=0, description=(
         "Taken off the score of places near one where a stone did not hold (0.25 m, one standard "
         "deviation), as much as a term of the score is worth; 0 checks by the score alone."
     ))  # fmt: skip
+
+    @property
+    def is_free(self) -> bool:
+        """Return whether a check costs nothing, so that places are ranked by their score alone."""
+        return self.part == "none" or self.cost == 0
 
 
 class DryStoneSettings(PluginSettings):

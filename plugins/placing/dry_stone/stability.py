@@ -17,7 +17,7 @@ from executive.messages.building import AsBuilt, StandingStone
 from executive.messages.solid_stone import SolidStone
 
 _DIRECTIONS = 8  # of the horizontal load
-_FAR_M, _FAR_RAD = 0.25, 0.45  # a stone that settles farther from its place is somewhere else
+_FAR_M, FAR_RAD = 0.25, 0.45  # a stone that settles farther from its place is somewhere else
 _RELEASE_M = 0.02
 _CELL_M = 1.0  # of places that share a world: about a stone, so that it holds few others
 _TURNS = 2**32  # seeds of the releases at one place
@@ -144,7 +144,7 @@ class Checks:
                 return found
         trial = self._trials.of(built, place)
         nominal = trial.release(
-            place.T_map_stone, _RELEASE_M, Bounds(place.T_map_stone, _FAR_M, _FAR_RAD)
+            place.T_map_stone, _RELEASE_M, Bounds(place.T_map_stone, _FAR_M, FAR_RAD)
         )
         refusal = self._settles_off(nominal, place)
         terms: dict[str, float] = {}
@@ -168,7 +168,7 @@ class Checks:
         T = place.T_map_stone
         if neighbours.is_alone:
             return Stability("", T, 0.0, 0.0, {})
-        found = neighbours.trial.release(T, _RELEASE_M, Bounds(T, _FAR_M, _FAR_RAD))
+        found = neighbours.trial.release(T, _RELEASE_M, Bounds(T, _FAR_M, FAR_RAD))
         if refusal := self._settles_off(found, place):
             return Stability(refusal, T, 0.0, 0.0, {})
         worlds = neighbours.trial, neighbours.others
@@ -205,7 +205,7 @@ class Checks:
 
     def _settles_off(self, found: Outcome, place: Place) -> str:
         """Return why a stone that is let go at its place settles elsewhere, if it does."""
-        refusal = self._refusal(found, place.T_map_stone, _FAR_M, _FAR_RAD)
+        refusal = self._refusal(found, place.T_map_stone, _FAR_M, FAR_RAD)
         if refusal or self._settings.most_tilt is None:
             return refusal
         turned = found.T_map_settled[:3, :3] @ place.T_map_stone[:3, :3].T

@@ -7,6 +7,7 @@ import pytest
 from executive_plugins.physics.equilibrium import Touch, largest_load
 from executive_plugins.physics.trial import apart
 from executive_plugins.placing.dry_stone.drops import HEIGHT, OUTSIDE, SHARE, DropRules, drops
+from executive_plugins.placing.dry_stone.height_maps import HeightMaps
 from executive_plugins.placing.dry_stone.parts import Places, Stability, part_of
 from executive_plugins.placing.dry_stone.planner import DryStone
 from executive_plugins.placing.dry_stone.rasters import WallTop, raster_of
@@ -113,15 +114,17 @@ def test_a_stone_may_stand_above_the_top_by_half_of_its_thickness(
     assert plan.refused == ({} if fits else {"no_place": 1})
 
 
-def test_places_are_measured_once_though_stones_are_gone_through_twice(monkeypatch) -> None:
-    """No place holds, so that more places of each stone are checked, of those that are known."""
-    one, asked = planner(check={"part": "none", "tries": 9}), []
-    places = one._generator.places
-    monkeypatch.setattr(
-        one._generator,
-        "places",
-        lambda built, stones, *rest: asked.append(len(stones)) or places(built, stones, *rest),
-    )
+def test_no_place_is_checked_twice_though_stones_are_gone_through_twice(monkeypatch) -> None:
+    """No place holds, so that all are measured once more with more turns, each checked once."""
+    generator = {**GENERATOR, "finer": 2}
+    one, asked = planner(check={"part": "none", "tries": 9}, generator=generator), []
+    of_all = HeightMaps.places
+
+    def places(self, built, stones, *rest):
+        asked.append((self._settings.turns, len(stones)))
+        return of_all(self, built, stones, *rest)
+
+    monkeypatch.setattr(HeightMaps, "places", places)
     checked: list[tuple[str, bytes]] = []
 
     def refuse(place, built, rng, may_go_on):
@@ -131,7 +134,7 @@ def test_places_are_measured_once_though_stones_are_gone_through_twice(monkeypat
     monkeypatch.setattr(one._check, "check", refuse)
     plan = one.propose(bare(), boxes(), rng())
     assert plan.reason == "nothing_fits"
-    assert asked == [len(boxes()), 0]
+    assert asked == [(2, len(boxes())), (4, len(boxes()))]
     assert len(set(checked)) == len(checked) == plan.refused["slides_away"] > 9
 
 
@@ -335,5 +338,5 @@ def test_a_stone_that_tilts_costs_one_release_of_a_check(
         return Stability(refusal, place.T_map_stone, 0.0, 0.0, {})
 
     monkeypatch.setattr(one._check, "check", refuse)
-    monkeypatch.setattr(one, "_rounds", lambda: [(one._generator, 5)])
+    monkeypatch.setattr(one, "_rounds", lambda: [one._generator])
     assert one.propose(bare(), boxes(), rng()).refused[refusal] == len(seen) == most
