@@ -102,8 +102,6 @@ def compile_drops() -> None:
     wall = WallTop(AsBuilt(Structure("rehearsal", line, 1.0, 1.0), ground), _REHEARSED_CELL_M)
     raster = raster_of(stone.vertices, stone.triangles, np.eye(3), _REHEARSED_CELL_M)
     drops(wall, raster, DropRules(0.0, 0.0, 0.0, 1))
-    middle = np.array(wall.top.shape) // 2
-    rest_height(wall.top, raster.under, middle[0], middle[1])
 
 
 @njit(cache=True)
@@ -173,7 +171,10 @@ def _is_off_foot(foot, under, x, y, most):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _rest_below(top, under, x, y, added, most):  # type: ignore[no-untyped-def]
-    """Return the height of `rest_height`; infinite as soon as it and `added` are over `most`."""
+    """Return the height of the origin at which the underside first touches.
+
+    It is infinite as soon as it and `added` are over `most`.
+    """
     z = -np.inf
     for i in range(under.shape[0]):
         for j in range(under.shape[1]):
@@ -181,17 +182,6 @@ def _rest_below(top, under, x, y, added, most):  # type: ignore[no-untyped-def]
                 z = max(z, top[x + i, y + j] - under[i, j])
         if z + added > most:
             return np.inf
-    return z
-
-
-@njit(cache=True)
-def rest_height(top, under, x, y):  # type: ignore[no-untyped-def]
-    """Return the height of the origin at which the underside first touches."""
-    z = -np.inf
-    for i in range(under.shape[0]):
-        for j in range(under.shape[1]):
-            if under[i, j] < np.inf:
-                z = max(z, top[x + i, y + j] - under[i, j])
     return z
 
 

@@ -21,7 +21,7 @@ from executive_plugins.placing.dry_stone.parts import (
     part_of,
 )
 from executive_plugins.placing.dry_stone.rasters import WallTop
-from executive_plugins.placing.dry_stone.rolling import STEPS_RAD
+from executive_plugins.placing.dry_stone.rolling import STEPS_RAD, compile_rolling
 from executive_plugins.placing.dry_stone.search import Search, key_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
 from executive_plugins.placing.dry_stone.spread import spread
@@ -78,6 +78,7 @@ class DryStone(StructurePlanner):
     def start(self) -> None:
         """Compile the inner loops, so that no search has to wait for them."""
         compile_drops()
+        compile_rolling()
 
     def propose(
         self,

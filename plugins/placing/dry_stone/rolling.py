@@ -77,6 +77,12 @@ def roll(
     return Rolled(found[:2], found[2:4], float(found[4]), bool(found[5]))
 
 
+def compile_rolling() -> None:
+    """Compile the inner loops, so that no search has to wait for them."""
+    start, steps = np.array([0.0, 0.0, 1.0, 1.0]), np.array(STEPS_RAD)
+    _roll(np.zeros((1, 3)), np.zeros((4, 4)), np.zeros(2), 1.0, start, 0.5, steps, np.zeros(6))
+
+
 @njit(cache=True)
 def _roll(points, top, corner, cell, start, most, steps, found):  # type: ignore[no-untyped-def]  # noqa: PLR0913 - compiled: no classes
     """Write tilt (2), place (2), height and whether it rests into `found`."""
