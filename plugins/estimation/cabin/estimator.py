@@ -15,8 +15,9 @@ from executive_plugins.estimation.inertial.state import Inertial
 from executive_plugins.estimation.kalman.agreeing_clock import AgreeingClock
 from executive_plugins.estimation.live.kernels import is_beyond_range
 from executive_plugins.estimation.live.propagator import OUT_OF_RANGE, LivePropagator
-from executive_plugins.estimation.start.chassis import StandstillDetector, TurnJoint
+from executive_plugins.estimation.start.chassis import ChassisRest, StandstillDetector, TurnJoint
 from executive_plugins.estimation.start.chassis_level import ChassisLevel
+from executive_plugins.estimation.start.chassis_sway import ChassisSway
 from executive_plugins.estimation.start.first_state import FirstState
 from executive_plugins.estimation.start.found import Found
 from typing_extensions import Buffer
@@ -97,7 +98,8 @@ class CabinEstimator(Estimator):
         self._antennas_imu = antennas_in_imu(self._machine, imu)
         self._stamp_gate = StampGate()
         self._turn = TurnJoint(self._machine)
-        self._standing = StandstillDetector(settings.standing)
+        sway = ChassisSway.of(self._machine, settings.chassis_imu, settings.standing)
+        self._standing = StandstillDetector(settings.standing, sway)
         self._datum: Float | None = None
         if settings.datum is not None:
             self._datum = np.array(settings.datum)
@@ -291,17 +293,12 @@ class CabinEstimator(Estimator):
         is_due = sample.stamp_s - self._standing_s >= _STANDING_PERIOD_S - 1e-6
         if is_due and self._standing.is_at_rest(sample.stamp_s):
             self._standing_s = sample.stamp_s
-            self._use_standing(sample.stamp_s, self._turn.rate_cabin)
+            sway = self._standing.sway(_STANDING_PERIOD_S)
+            self._use_standing(ChassisRest(sample.stamp_s, self._turn.rate_cabin, *sway))
 
     @abstractmethod
-    def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        """Correct by a chassis at rest.
-
-        Args:
-            stamp_s: Time of the joint sample [s].
-            rate_cabin: Angular velocity of the cabin on the chassis [rad/s], cabin axes, shape
-            (3,).
-        """
+    def _use_standing(self, rest: ChassisRest) -> None:
+        """Correct by a chassis at rest."""
 
     def account(self) -> Sequence[StatusChange]:
         """Return the changes of the status, and every few seconds what a start waits for."""

@@ -6,8 +6,7 @@ import numpy as np
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.kalman.queued_filter import StandstillGate
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
-
-from executive.arrays import Float
+from executive_plugins.estimation.start.chassis import ChassisRest
 
 
 class ChassisAtRest:
@@ -31,22 +30,17 @@ class ChassisAtRest:
         """Correct a filter from now on, and no other."""
         self._trailing = trailing
 
-    def add(self, stamp_s: float, rate_cabin: Float) -> bool:
-        """Correct the filter at a time; return whether that is in time, or there is no filter.
-
-        Args:
-            stamp_s: The time [s].
-            rate_cabin: Angular velocity of the cabin on the chassis [rad/s], cabin axes, (3,).
-        """
+    def add(self, rest: ChassisRest) -> bool:
+        """Correct the filter; return whether that is in time, or there is no filter."""
         if self._trailing is None:
             return True
         kalman = self._trailing.kalman
         correction = Correction(
-            stamp_s,
-            partial(self._correct, kalman, rate_cabin),
+            rest.stamp_s,
+            partial(self._correct, kalman, rest),
             lambda _: self.ignore(kalman.stamp_s),
         )
-        return self._trailing.add_standing(correction, rate_cabin)
+        return self._trailing.add_standing(correction, rest)
 
     def ignore(self, moving_s: float) -> None:
         """Take that the chassis was seen to move at a time [s]."""
@@ -54,9 +48,9 @@ class ChassisAtRest:
         if self._trailing is not None:
             self._trailing.ignore_standing(moving_s)
 
-    def _correct(self, kalman: ErrorStateFilter, rate_cabin: Float) -> None:
+    def _correct(self, kalman: ErrorStateFilter, rest: ChassisRest) -> None:
         gate = self.gate
         if kalman.stamp_s - self._moving_s < gate.doubt_s:
             return
-        if not kalman.correct_by_standstill(gate.T_imu_cabin, rate_cabin, gate.settings, gate.gate):
+        if not kalman.correct_by_standstill(gate.T_imu_cabin, rest, gate.settings, gate.gate):
             self.ignore(kalman.stamp_s)

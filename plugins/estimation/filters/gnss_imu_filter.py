@@ -33,6 +33,7 @@ from executive_plugins.estimation.kalman.judged_fix import USED
 from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.kalman.queued_filter import QueuedFilter, StandstillGate
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
+from executive_plugins.estimation.start.chassis import ChassisRest
 from executive_plugins.estimation.start.found import Found
 
 from executive.arrays import Float
@@ -195,8 +196,8 @@ class GnssImuFilter(CabinEstimator):
         kept = KeptFilter(trailing.kalman.block.copy(), trailing.first)
         self._witnesses.look(kept, increment, self._status() == GLOBAL)
 
-    def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        if not self._chassis.add(stamp_s, rate_cabin):
+    def _use_standing(self, rest: ChassisRest) -> None:
+        if not self._chassis.add(rest):
             self._stamp_gate.refuse("joints", "too late")
 
     def _correct_by_fix(self, kalman: ErrorStateFilter, fix: Fix, late_s: float) -> bool:

@@ -13,6 +13,7 @@ from executive_plugins.estimation.inertial.exponential import linear_covariance
 from executive_plugins.estimation.inertial.noise import InertialNoise
 from executive_plugins.estimation.inertial.state import InertialState
 from executive_plugins.estimation.kalman.layout import Block
+from executive_plugins.estimation.start.chassis import ChassisRest
 from executive_plugins.estimation.start.settings import StandstillSettings
 
 from executive.arrays import Float
@@ -51,10 +52,10 @@ class WitnessedFilter(CloningFilter):
         return answer
 
     def correct_by_standstill(
-        self, T_imu_cabin: Float, rate_cabin: Float, settings: StandstillSettings, gate: float
+        self, T_imu_cabin: Float, rest: ChassisRest, settings: StandstillSettings, gate: float
     ) -> bool:
-        self.other.correct_by_standstill(T_imu_cabin, rate_cabin, settings, gate)
-        return super().correct_by_standstill(T_imu_cabin, rate_cabin, settings, gate)
+        self.other.correct_by_standstill(T_imu_cabin, rest, settings, gate)
+        return super().correct_by_standstill(T_imu_cabin, rest, settings, gate)
 
     def judge_by(
         self, own: Mapping[str, InnovationRecord], other: Mapping[str, InnovationRecord]

@@ -55,11 +55,14 @@ class Standstill:
         arm_imu: A point on the turn axis in IMU axes [m], shape (3,).
         rate_imu: Angular velocity by the turn joint, IMU axes [rad/s], shape (3,); None while the
             cabin turns, since differentiated encoder readings are accurate at rest only.
+        sway_m_s, sway_rad_s: See `ChassisRest`.
     """
 
     stamp_s: float
     arm_imu: Float
     rate_imu: Float | None
+    sway_m_s: float = 0.0
+    sway_rad_s: float = 0.0
 
 
 Measurement = Fix | Increment | Standstill

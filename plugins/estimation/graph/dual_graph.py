@@ -15,6 +15,7 @@ from executive_plugins.estimation.graph.smoother_process import (
     SmootherHost,
 )
 from executive_plugins.estimation.live.modes import Mode, ModeChange
+from executive_plugins.estimation.start.chassis import ChassisRest
 from executive_plugins.estimation.start.found import Found
 from typing_extensions import Buffer
 
@@ -127,10 +128,11 @@ class DualGraph(CabinEstimator):
             Increment(increment.from_s, increment.to_s, T_from_to, J @ increment.covariance @ J.T)
         )
 
-    def _use_standing(self, stamp_s: float, rate_cabin: Float) -> None:
-        rests = np.linalg.norm(rate_cabin) < self._settings.standing.rate_std_rad_s
-        rate_imu = self._T_imu_cabin[:3, :3] @ rate_cabin if rests else None
-        self._hand_over(Standstill(stamp_s, self._T_imu_cabin[:3, 3], rate_imu))
+    def _use_standing(self, rest: ChassisRest) -> None:
+        rests = np.linalg.norm(rest.rate_cabin) < self._settings.standing.rate_std_rad_s
+        rate_imu = self._T_imu_cabin[:3, :3] @ rest.rate_cabin if rests else None
+        arm_imu, sway = self._T_imu_cabin[:3, 3], (rest.sway_m_s, rest.sway_rad_s)
+        self._hand_over(Standstill(rest.stamp_s, arm_imu, rate_imu, *sway))
 
     def _hand_over(self, measurement: Measurement) -> None:
         if self._is_begun and measurement.stamp_s > self._begun_s:

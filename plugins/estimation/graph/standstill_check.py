@@ -1,5 +1,6 @@
 """Measurements of a chassis at rest: when they are used, and their factors."""
 
+import math
 from collections.abc import Sequence
 
 import gtsam
@@ -58,7 +59,7 @@ class StandstillCheck:
     def contradicts(self, standing: Standstill, state: InertialState, P: Float) -> bool:
         """Return whether the estimate, with its covariance (15, 15), shows motion."""
         residual, H = standstill_residual(state, standing.arm_imu)
-        S = H @ P @ H.T + self._settings.standing_velocity_std_m_s**2 * np.eye(3)
+        S = H @ P @ H.T + self._velocity_std_m_s(standing) ** 2 * np.eye(3)
         if residual @ np.linalg.solve(S, residual) <= self._settings.standing_gate:
             return False
         self._contradicted_s = standing.stamp_s
@@ -77,8 +78,12 @@ class StandstillCheck:
         present estimate.
         """
         speed = state.R_map_imu @ skew(state.rate) @ standing.arm_imu
-        made = [velocity_factor(node, -speed, self._settings.standing_velocity_std_m_s)]
+        made = [velocity_factor(node, -speed, self._velocity_std_m_s(standing))]
         if standing.rate_imu is not None:
             bias = state.sample.rate - standing.rate_imu
-            made.append(gyro_bias_factor(node, bias, self._settings.standing_rate_std_rad_s))
+            std_rad_s = math.hypot(self._settings.standing_rate_std_rad_s, standing.sway_rad_s)
+            made.append(gyro_bias_factor(node, bias, std_rad_s))
         return made
+
+    def _velocity_std_m_s(self, standing: Standstill) -> float:
+        return math.hypot(self._settings.standing_velocity_std_m_s, standing.sway_m_s)

@@ -31,6 +31,7 @@ from executive_plugins.estimation.kalman.packed_measurements import (
 from executive_plugins.estimation.kalman.packed_prediction import inflate, predict, predict_until
 from executive_plugins.estimation.live.layout import ESTIMATE
 from executive_plugins.estimation.live.packing import packed
+from executive_plugins.estimation.start.chassis import ChassisRest
 from executive_plugins.estimation.start.settings import StandstillSettings
 
 from executive.arrays import Float
@@ -144,11 +145,12 @@ class ErrorStateFilter(PackedFilter):
         return self._told(_correct_by_compared(self.block, gate))
 
     def correct_by_standstill(
-        self, T_imu_cabin: Float, rate_cabin: Float, settings: StandstillSettings, gate: float
+        self, T_imu_cabin: Float, rest: ChassisRest, settings: StandstillSettings, gate: float
     ) -> bool:
         """Correct by a chassis at rest, see `packed_measurements.correct_by_standstill`."""
-        stds = settings.velocity_std_m_s, settings.rate_std_rad_s
-        return self._told(_correct_by_standstill(self.block, T_imu_cabin, rate_cabin, *stds, gate))
+        known = settings.velocity_std_m_s, settings.rate_std_rad_s, rest.sway_m_s, rest.sway_rad_s
+        used = _correct_by_standstill(self.block, T_imu_cabin, rest.rate_cabin, *known, gate)
+        return self._told(used)
 
     def _correct_jointly(self, residual: Float, H: Float, noise: Float, gate: float) -> bool:
         """Correct state and companions, whose error has 15 + k dimensions."""

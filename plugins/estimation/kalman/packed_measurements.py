@@ -100,13 +100,15 @@ def _correct_evenly(s: np.record, std: float, gate: float) -> bool:
     return bool(correct_by(s, 3, gate))
 
 
-@njit(types.boolean(FILTER_TYPE, _MATRIX, _VECTOR, _REAL, _REAL, _REAL), cache=True)  # type: ignore[untyped-decorator]
-def correct_by_standstill(
+@njit(types.boolean(FILTER_TYPE, _MATRIX, _VECTOR, *[_REAL] * 5), cache=True)  # type: ignore[untyped-decorator]
+def correct_by_standstill(  # noqa: PLR0913 - compiled code takes the values of a record one by one
     block: Block,
     T_imu_cabin: Float,
     rate_cabin: Float,
     velocity_std_m_s: float,
     rate_std_rad_s: float,
+    sway_m_s: float,
+    sway_rad_s: float,
     gate: float,
 ) -> bool:
     """Correct by a chassis at rest: by the turn axis, and by the rate on it unless that is large.
@@ -118,6 +120,8 @@ def correct_by_standstill(
         velocity_std_m_s: Standard deviation of the velocity along an axis [m/s].
         rate_std_rad_s: That of the angular velocity about an axis [rad/s]. Larger rates are not
             used: differentiated encoder readings are accurate at rest only.
+        sway_m_s: Standard deviation of the velocity by a sway of the chassis [m/s].
+        sway_rad_s: That of the angular velocity [rad/s].
         gate: Largest squared Mahalanobis distance that is accepted.
 
     Returns:
@@ -126,7 +130,7 @@ def correct_by_standstill(
     s, T, w = block[0], T_imu_cabin, rate_cabin
     rate = s.sample.rate - s.gyro_bias
     write_standstill(s.R, s.v, rate, T[:3, 3], s.residual[:3], _blank(s)[:, :_N])
-    if not _correct_evenly(s, velocity_std_m_s, gate):
+    if not _correct_evenly(s, math.hypot(velocity_std_m_s, sway_m_s), gate):
         return False
     if math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) < rate_std_rad_s:
         H = _blank(s)
@@ -134,5 +138,5 @@ def correct_by_standstill(
             H[i, 9 + i] = -1.0
             measured = T[i, 0] * w[0] + T[i, 1] * w[1] + T[i, 2] * w[2]
             s.residual[i] = measured - (s.sample.rate[i] - s.gyro_bias[i])
-        _correct_evenly(s, rate_std_rad_s, gate)
+        _correct_evenly(s, math.hypot(rate_std_rad_s, sway_rad_s), gate)
     return True

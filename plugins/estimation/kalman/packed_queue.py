@@ -32,11 +32,13 @@ CORRECTION = np.dtype(
         ("covariance", "f8", (3, 3)),
         ("late_s", "f8"),
         ("rate_cabin", "f8", (3,)),
+        ("sway_m_s", "f8"),
+        ("sway_rad_s", "f8"),
     ],
     align=True,
 )
-"""A fix, see `Fix`, a chassis at rest with the angular velocity of the cabin on it, or the time at
-which the caller looks at the filter."""
+"""A fix, see `Fix`, a chassis at rest, see `ChassisRest`, or the time at which the caller looks at
+the filter."""
 
 QUEUE = np.dtype(
     [
@@ -79,10 +81,11 @@ def _correct(block: Block, innovations: Block, q: np.record, c: np.record) -> in
         return REPORTED
     if stamp_s - q.moving_s < q.doubt_s:
         return REPORTED
-    stds = q.velocity_std_m_s, q.rate_std_rad_s
-    if correct_by_standstill(block, q.T_imu_cabin[:], c.rate_cabin[:], stds[0], stds[1], q.gate):
-        return REPORTED
-    return REFUSED_STANDING
+    velocity_m_s, rate_rad_s, T = q.velocity_std_m_s, q.rate_std_rad_s, q.T_imu_cabin[:]
+    is_used = correct_by_standstill(
+        block, T, c.rate_cabin[:], velocity_m_s, rate_rad_s, c.sway_m_s, c.sway_rad_s, q.gate
+    )
+    return REPORTED if is_used else REFUSED_STANDING
 
 
 @njit(  # type: ignore[untyped-decorator]

@@ -24,6 +24,7 @@ from executive_plugins.estimation.kalman.packed_queue import (
 from executive_plugins.estimation.kalman.trailing_filter import Correction, TrailingFilter
 from executive_plugins.estimation.live.layout import ESTIMATE
 from executive_plugins.estimation.live.propagator import LivePropagator
+from executive_plugins.estimation.start.chassis import ChassisRest
 from executive_plugins.estimation.start.settings import StandstillSettings
 
 from executive.arrays import Float
@@ -32,6 +33,7 @@ _follow_queue = direct(follow_queue)
 _APART = ROOM - 1  # the place of corrections for which there is no room
 _NONE = np.zeros(3)
 _NOTHING = _NONE, _NONE, np.zeros((3, 3)), 0.0  # of a fix
+_NOWHERE = _NONE, 0.0, 0.0  # of a chassis at rest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,16 +112,17 @@ class QueuedFilter(TrailingFilter[ErrorStateFilter]):
             late_s: By how much its stamp was thought to be late.
         """
         position = fix.arm_imu, fix.p_map_antenna, fix.covariance
-        return self._add(correction, (correction.stamp_s, FIX, place, *position, late_s, _NONE))
-
-    def add_standing(self, correction: Correction, rate_cabin: Float) -> bool:
-        """Add a correction by a chassis at rest, whose cabin turns on it; see `add_fix`."""
-        values = correction.stamp_s, STANDING, 0, *_NOTHING, rate_cabin
+        values = correction.stamp_s, FIX, place, *position, late_s, *_NOWHERE
         return self._add(correction, values)
+
+    def add_standing(self, correction: Correction, rest: ChassisRest) -> bool:
+        """Add a correction by a chassis at rest, whose cabin turns on it; see `add_fix`."""
+        known = rest.rate_cabin, rest.sway_m_s, rest.sway_rad_s
+        return self._add(correction, (correction.stamp_s, STANDING, 0, *_NOTHING, *known))
 
     def add_look(self, correction: Correction) -> None:
         """Add what only looks at the filter: compiled code advances that to its time."""
-        values = correction.stamp_s, LOOK, 0, *_NOTHING, _NONE
+        values = correction.stamp_s, LOOK, 0, *_NOTHING, *_NOWHERE
         self._add(correction, values, is_awaited=False)
 
     def _add(

@@ -9,8 +9,7 @@ from typing import Generic, Protocol, TypeVar
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.kalman.layout import Block
 from executive_plugins.estimation.live.propagator import LivePropagator
-
-from executive.arrays import Float
+from executive_plugins.estimation.start.chassis import ChassisRest
 
 _MARGIN = 1.2  # of the lag over the largest delay so far
 _LONGEST_S = 2.0  # a measurement that is later is of no use in time
@@ -108,7 +107,7 @@ class TrailingFilter(Generic[K]):
         """Add a correction by a fix; see `QueuedFilter.add_fix`."""
         return self.add(correction)
 
-    def add_standing(self, correction: Correction, _: Float) -> bool:
+    def add_standing(self, correction: Correction, _: ChassisRest) -> bool:
         """Add a correction by a chassis at rest; see `QueuedFilter.add_standing`."""
         return self.add(correction)
 

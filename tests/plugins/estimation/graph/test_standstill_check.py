@@ -46,6 +46,19 @@ def test_a_sensor_that_swings_about_the_turn_axis_counts_as_at_rest(belief) -> N
     assert not belief.contradicts(Standstill(1.0, ARM, None), swinging, known(0.001))
 
 
+@pytest.mark.parametrize("sway_m_s", [0.0, 0.2])
+def test_a_sway_is_no_contradiction(belief, sway_m_s: float) -> None:
+    swaying = Standstill(1.0, ARM, None, sway_m_s=sway_m_s)
+    assert belief.contradicts(swaying, moving([0.2, 0, 0]), known(0.01)) == (sway_m_s == 0)
+
+
+def test_a_standstill_is_as_uncertain_as_the_chassis_sways(belief) -> None:
+    swaying = Standstill(1.0, ARM, np.zeros(3), sway_m_s=0.3, sway_rad_s=0.2)
+    velocity, bias = belief.factors(0, swaying, moving([0, 0, 0]))
+    assert velocity.noiseModel().sigmas() == pytest.approx(np.full(3, 0.3), rel=0.01)
+    assert bias.noiseModel().sigmas()[-3:] == pytest.approx(np.full(3, 0.2), rel=0.01)
+
+
 class Recorded:
     """Records which standstills a graph is given, and which it shall remove."""
 

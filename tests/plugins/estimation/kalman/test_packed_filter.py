@@ -10,6 +10,7 @@ from executive_plugins.estimation.kalman.compiled_correction import consider_int
 from executive_plugins.estimation.kalman.error_state_filter import ErrorStateFilter
 from executive_plugins.estimation.live.layout import SAMPLE
 from executive_plugins.estimation.live.packing import unpacked
+from executive_plugins.estimation.start.chassis import ChassisRest
 from executive_plugins.estimation.start.settings import StandstillSettings
 
 from executive.arrays import Float
@@ -31,17 +32,19 @@ def resting(clock: ClockOffset | None = None, v: float = 0.01) -> ErrorStateFilt
 
 
 @pytest.mark.parametrize("clock", [ClockOffset(), ClockOffset(0.01, 0.02)], ids=["known", "clock"])
+@pytest.mark.parametrize("sway", [(0.0, 0.0), (0.04, 0.03)], ids=["still", "sways"])
 @pytest.mark.parametrize("rate_cabin", [SLOW, FAST], ids=["slow", "fast"])
-def test_a_chassis_at_rest_corrects_velocity_and_a_small_rate(rate_cabin, clock) -> None:
-    kalman, parts = resting(clock), resting(clock)
-    assert kalman.correct_by_standstill(T_IMU_CABIN, rate_cabin, SETTINGS, 22.0)
+def test_a_chassis_at_rest_corrects_velocity_and_a_small_rate(rate_cabin, sway, clock) -> None:
+    kalman, parts, (sway_rad_s, sway_m_s) = resting(clock), resting(clock), sway
+    rest = ChassisRest(3.0, rate_cabin, sway_rad_s, sway_m_s)
+    assert kalman.correct_by_standstill(T_IMU_CABIN, rest, SETTINGS, 22.0)
     residual, H = standstill_residual(parts.state, T_IMU_CABIN[:3, 3])
-    assert parts.correct(residual, H, 0.02**2 * np.eye(3), 22.0)
+    assert parts.correct(residual, H, (0.02**2 + sway_m_s**2) * np.eye(3), 22.0)
     if rate_cabin is SLOW:
         H = np.zeros((3, 15))
         H[:, GYRO_BIAS] = -np.eye(3)
         residual = T_IMU_CABIN[:3, :3] @ rate_cabin - parts.state.rate
-        assert parts.correct(residual, H, 0.03**2 * np.eye(3), 22.0)
+        assert parts.correct(residual, H, (0.03**2 + sway_rad_s**2) * np.eye(3), 22.0)
     np.testing.assert_allclose(kalman.covariance, parts.covariance, rtol=1e-9, atol=1e-15)
     np.testing.assert_allclose(kalman.state.v_map_imu, parts.state.v_map_imu, atol=1e-12)
     np.testing.assert_allclose(kalman.state.gyro_bias, parts.state.gyro_bias, atol=1e-12)
@@ -50,7 +53,7 @@ def test_a_chassis_at_rest_corrects_velocity_and_a_small_rate(rate_cabin, clock)
 def test_a_chassis_that_moves_corrects_nothing() -> None:
     kalman = resting(v=3.0)
     before = kalman.state
-    assert not kalman.correct_by_standstill(T_IMU_CABIN, SLOW, SETTINGS, 22.0)
+    assert not kalman.correct_by_standstill(T_IMU_CABIN, ChassisRest(3.0, SLOW), SETTINGS, 22.0)
     assert kalman.state is before
 
 
