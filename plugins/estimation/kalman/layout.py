@@ -30,6 +30,7 @@ FILTER = np.dtype(
         ("clone_p", "f8", (3,)),
         # What the samples have shown.
         ("mean_rate", "f8", (3,)),
+        ("slow_rate", "f8", (3,)),
         ("gap_s", "f8"),
         ("usual", "f8", (3,)),
         # Deviation of the position by what the fixes err slowly, map axes, see `slow_share`.

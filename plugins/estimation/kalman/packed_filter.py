@@ -32,7 +32,7 @@ class PackedFilter:
         row = self.block[0]
         row["densities"], row["gravity_m_s2"] = noise.densities, noise.gravity_m_s2
         row["gap_s"], row["clock_s"] = -np.inf, clock.offset_s
-        row["mean_rate"] = state.sample.rate  # over the time by which the clock is unknown
+        row["mean_rate"] = row["slow_rate"] = state.sample.rate  # see `steady_rate`
         self._usual = UsualMotion(row["usual"])
         self._clocks = int(clock.std_s > 0)  # number of companions that are clocks
         row["clocks"] = row["companions"] = self._clocks

@@ -11,7 +11,7 @@ from executive_plugins.estimation.kalman.packed_correction import (
     joint_covariance,
     shown,
 )
-from executive_plugins.estimation.kalman.packed_prediction import acceleration_of
+from executive_plugins.estimation.kalman.packed_prediction import acceleration_of, steady_rate
 from numba import njit, types
 
 from executive.arrays import Float
@@ -55,7 +55,8 @@ def _compare_fix(
     velocity, acceleration = np.empty(3), np.empty(3)
     shown(s, s.v, velocity)
     acceleration_of(s, acceleration)
-    rate, turned, bend2 = s.mean_rate - s.gyro_bias, np.empty(3), 0.0
+    rate, turned, bend2 = np.empty(3), np.empty(3), 0.0
+    steady_rate(s, rate)
     for i in range(3):
         k, m = (i + 1) % 3, (i + 2) % 3
         turned[i] = rate[k] * arm[m] - rate[m] * arm[k]

@@ -20,6 +20,7 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     propagate_through,
 )
+from executive_plugins.estimation.inertial.steady_rate import SteadyRate
 from executive_plugins.estimation.start.window_solution import levelled
 from scipy.linalg import solve_triangular
 
@@ -66,18 +67,26 @@ class WindowProblem:
     ) -> None:
         self._nodes, self._samples, self._noise, self._known = nodes, samples, noise, known
         self._reckoned = self._dead_reckoned()
+        self._rates = self._steady_rates()
         self.graph = gtsam.NonlinearFactorGraph()
         for i, (state, (_, fixes)) in enumerate(zip(self._reckoned, nodes, strict=True)):
             for fix in fixes:
-                self.graph.add(self._fix_factor(i, fix, state))
+                self.graph.add(self._fix_factor(i, fix))
             if i + 1 < len(nodes):
                 between = samples.between(state.stamp_s, nodes[i + 1][0])
                 self.graph.add(inertial_factor((i, i + 1), state, between, noise))
         self._add_priors()
 
-    def _fix_factor(self, i: int, fix: Fix, state: InertialState) -> gtsam.NonlinearFactor:
+    def _steady_rates(self) -> list[Float]:
+        """Return the angular velocity at each node, by which an antenna tells the clock, (3,)."""
+        if self._known.clock_std_s == 0:
+            return [state.rate for state in self._reckoned]
+        steady = SteadyRate(self._samples, self._noise, self._known.clock_std_s)
+        return [steady.at(state.stamp_s) - state.gyro_bias for state in self._reckoned]
+
+    def _fix_factor(self, i: int, fix: Fix) -> gtsam.NonlinearFactor:
         if self._known.clock_std_s > 0:
-            return shifted_fix_factor(i, CLOCK, fix, state.rate)
+            return shifted_fix_factor(i, CLOCK, fix, self._rates[i])
         return fix_factor(i, fix)
 
     def _add_priors(self) -> None:
@@ -167,12 +176,12 @@ class WindowProblem:
         """Return the squared Mahalanobis distance of each fix from a solution, shape (F,)."""
         late_s = float(values.atVector(CLOCK)[0]) if self._known.clock_std_s > 0 else 0.0
         squares = []
-        for i, (state, (_, fixes)) in enumerate(zip(self._reckoned, self._nodes, strict=True)):
+        for i, (_, fixes) in enumerate(self._nodes):
             x, v, _b = keys(i)
             T, velocity = values.atPose3(x), values.atVector(v)
             R = T.rotation().matrix()
             for fix in fixes:
-                speed = velocity + R @ np.cross(state.rate, fix.arm_imu)
+                speed = velocity + R @ np.cross(self._rates[i], fix.arm_imu)
                 at = T.translation() + R @ fix.arm_imu - late_s * speed
                 error = fix.p_map_antenna - at
                 squares.append(float(error @ np.linalg.solve(fix.covariance, error)))
