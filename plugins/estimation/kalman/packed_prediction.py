@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from executive_plugins.estimation.inertial.clock_offset import CLOCK_WALK_S
-from executive_plugins.estimation.inertial.steady_rate import USUAL_CHANGE
+from executive_plugins.estimation.inertial.steady_rate import STEADY_S, USUAL_CHANGE
 from executive_plugins.estimation.inertial.strapdown import step_into
 from executive_plugins.estimation.inertial.usual_motion import (
     PERIOD_S,
@@ -19,9 +19,6 @@ from numba import from_dtype, njit, types
 from executive.arrays import Float
 
 _LONG_GAP_S = 0.1  # over a longer gap, the samples do not describe the motion
-# Over which a rate that does not change is averaged: with 0.003 rad/√s, a noisy gyroscope, an
-# antenna 1.5 m off moves by 3 mm/s then.
-_STEADY_S = 1.0
 _REAL = types.float64
 _VECTOR = types.Array(types.float64, 1, "A", readonly=True)
 SAMPLES_TYPE = from_dtype(SAMPLE)[::1]
@@ -53,7 +50,7 @@ def _follow_motion(s: np.record, stamp_s: float) -> None:
 def _grow_clock(s: np.record, rate: Float, dt_s: float) -> None:
     """Let the clock walk, and average the rate over the time by which the clock is unknown."""
     s.own[0, 0] += dt_s * CLOCK_WALK_S**2
-    weight, slowly = dt_s / (dt_s + math.sqrt(s.own[0, 0])), dt_s / (dt_s + _STEADY_S)
+    weight, slowly = dt_s / (dt_s + math.sqrt(s.own[0, 0])), dt_s / (dt_s + STEADY_S)
     for i in range(3):
         s.mean_rate[i] += weight * (rate[i] - s.mean_rate[i])
         s.slow_rate[i] += slowly * (rate[i] - s.slow_rate[i])

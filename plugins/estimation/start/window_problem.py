@@ -81,7 +81,7 @@ class WindowProblem:
         """Return the angular velocity at each node, by which an antenna tells the clock, (3,)."""
         if self._known.clock_std_s == 0:
             return [state.rate for state in self._reckoned]
-        steady = SteadyRate(self._samples, self._noise, self._known.clock_std_s)
+        steady = SteadyRate(self._samples, self._noise)
         return [steady.at(state.stamp_s) - state.gyro_bias for state in self._reckoned]
 
     def _fix_factor(self, i: int, fix: Fix) -> gtsam.NonlinearFactor:
