@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from executive_plugins.estimation.gate.innovation_alarm import binary, chance_limit
 from executive_plugins.estimation.start.settings import StandstillSettings
 
 from executive.arrays import Float
@@ -47,15 +48,16 @@ class ChassisSway:
         return cls(sensor, standing.rate_std_rad_s, height_m)
 
     def rate_rad_s(self, mean: Float, piece_s: float) -> float:
-        """Return how fast the chassis turns [rad/s], beyond what noise and the bias may be.
+        """Return how fast the chassis turns [rad/s]; 0 if noise and bias explain it by chance.
 
         Args:
             mean: Mean rate of a piece of rest, sensor axes [rad/s], shape (3,).
             piece_s: Length of the piece [s].
         """
-        off = mean - self._bias
-        by_chance2 = 3 * (self._variance + self._noise2(piece_s))
-        return math.sqrt(max(0.0, float(off @ off) - by_chance2))
+        off, variance = mean - self._bias, self._variance + self._noise2(piece_s)
+        square = float(off @ off)
+        is_chance = square <= chance_limit(binary(piece_s)) * variance
+        return 0.0 if is_chance else math.sqrt(square - 3 * variance)
 
     def take(self, stamp_s: float, mean: Float, piece_s: float) -> None:
         """Learn the bias from a piece of rest that ends at a time [s], unless it is known already.

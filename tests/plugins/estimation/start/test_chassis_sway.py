@@ -34,7 +34,7 @@ def test_a_bias_of_the_sheet_is_no_turn_before_anything_is_learnt(sway) -> None:
     assert sway.rate_rad_s(BIAS + [0.02, 0, 0], PIECE_S) == pytest.approx(0.02, rel=0.15)
 
 
-@pytest.mark.parametrize("turn_rad_s", [0.003, 0.02])
+@pytest.mark.parametrize("turn_rad_s", [0.004, 0.02])
 def test_a_turn_shows_once_the_bias_is_learnt(sway, turn_rad_s: float) -> None:
     resting(sway, 120)
     assert sway.rate_rad_s(BIAS, PIECE_S) == 0.0
