@@ -146,7 +146,7 @@ def test_a_machine_may_tip_and_lean_where_its_robot_says_so(
     assert (stance.is_free, stance.support_n_m) == (may_tip, expected)
 
 
-@pytest.mark.parametrize(("ground", "digs_m"), [("soil", 0.1), ("rock", 0.0)])
+@pytest.mark.parametrize(("ground", "digs_m"), [("soil", 0.13), ("rock", 0.0)])
 def test_the_jaws_of_a_machine_go_into_the_ground_unless_it_is_rock(ground, digs_m):
     chosen = SimpleNamespace(settings=RobotSettings(ground=ground))
     machine = assembly._machine({"robot": (chosen,)}, "m545")
