@@ -11,11 +11,11 @@ from executive.arrays import Float
 from executive.config import Meters, Settings
 from executive.events.stone import AttemptStarted, GraspRecord
 from executive.geometry.pose import inverse
+from executive.geometry.rotation import angle_of_jaws
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
-from executive.leaf.alike_grasps import are_alike
 from executive.leaf.context import Context
 from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
@@ -27,6 +27,9 @@ from executive.messages.grasp import Grasp
 from executive.messages.request import MoveRequest
 from executive.messages.stone import Stone, StoneState
 from executive.messages.trajectory import JointTrajectory
+
+# Two grasps that are nearer than both count as one: about the spread of the jaws' own errors.
+_ALIKE_M, _ALIKE_RAD = 0.1, 0.25
 
 
 class PlanPickSettings(Settings):
@@ -118,7 +121,7 @@ class PlanPick(Action[PlanPickSettings]):
         return sorted(
             grasps,
             key=lambda grasp: any(
-                are_alike(_on_stone(grasp, stone), other) for other in failed_ones
+                _are_alike(_on_stone(grasp, stone), other) for other in failed_ones
             ),
         )
 
@@ -170,3 +173,10 @@ class PlanPick(Action[PlanPickSettings]):
 
 def _on_stone(grasp: Grasp, stone: Stone) -> Float:
     return np.asarray(inverse(stone.T_map_object) @ grasp.T_map_gripper)
+
+
+def _are_alike(T_a: Float, T_b: Float) -> bool:
+    return (
+        bool(np.linalg.norm(T_a[:3, 3] - T_b[:3, 3]) < _ALIKE_M)
+        and angle_of_jaws(T_a[:3, :3], T_b[:3, :3]) < _ALIKE_RAD
+    )

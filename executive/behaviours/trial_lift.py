@@ -119,10 +119,10 @@ class TrialLift(Action[TrialLiftSettings]):
         stone = objects.stone(hold.stone_id)
         asked = asked_of(stone, objects.stones(), self.settings.borne)
         weight = yield from hanging(self.context, self.settings.wait, asked.sure_kg)
+        up_m = risen_m(self.context, hold)
         if weight is None and not lifted.success:
             return lifted
         if weight is None:
-            up_m = risen_m(self.context, hold)
             return succeeded(reason=f"it hangs {up_m:.2f} m up, and no monitor weighs it")
         if weight.mass_kg < asked.sure_kg and (
             told := (yield from self._doubted(hold, stone, asked, weight))
@@ -132,7 +132,7 @@ class TrialLift(Action[TrialLiftSettings]):
             return lifted
         self.context.begin_carry()
         self.context.carry_over((yield from self._below(hold)))
-        return succeeded(reason=f"it hangs {risen_m(self.context, hold):.2f} m up with {weight}")
+        return succeeded(reason=f"it hangs {up_m:.2f} m up with {weight}")
 
     def _doubted(
         self, hold: Hold, stone: Stone, asked: Asked, weight: Weight
