@@ -1,6 +1,6 @@
 """Plan the path to a grasp."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
+from executive.leaf.site_success import expected_success
 from executive.leaf.surroundings import surroundings
 from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
@@ -36,6 +37,13 @@ class PlanPickSettings(Settings):
     leave: Meters = Field(0.5, ge=0, le=5, description="Straight way up before travelling [m].")
     arrive: Meters = Field(
         1.2, ge=0, le=5, description="Straight way to the grasp along the ground's normal [m]."
+    )
+    least_success: float = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="Grasps are refused whose chance to place the stone is smaller, as expected "
+        "after what came of the attempts before; 0: none is.",
     )
 
 
@@ -64,6 +72,15 @@ class PickPlanned(GraspsLeft):
     trajectory: JointTrajectory
 
 
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    """An attempt: when it began [s], T_object_gripper, and how often its grasp holds."""
+
+    start_s: float
+    T_object_gripper: Float
+    hold_rate: float | None
+
+
 class PlanPick(Action[PlanPickSettings]):
     """Find the first grasp with a collision-free path; remove it and those before it from the list.
 
@@ -71,6 +88,9 @@ class PlanPick(Action[PlanPickSettings]):
     out of a grasp slips out of it again. An attempt has failed if the stone has not been placed
     since. A machine on legs that yield leans with its arm: the path leads to where the grasp is
     once the arm is there.
+
+    What came of all attempts on the site tells how likely the next one is to place its stone. The
+    event `attempt_started` and the report have it, and `least_success` refuses by it.
     """
 
     needs = (MotionPlanner, Mapper, ObjectDatabase)
@@ -78,8 +98,7 @@ class PlanPick(Action[PlanPickSettings]):
 
     def __init__(self, settings: PlanPickSettings, context: Context) -> None:
         super().__init__(settings, context)
-        # Time [s] and T_object_gripper of the attempts, by stone.
-        self._tried: dict[int, list[tuple[float, Float]]] = {}
+        self._tried: dict[int, list[_Tried]] = {}  # the attempts in order of time, by stone
         self._refusals: dict[int, str] = {}  # why the last plan found no path, by stone
 
     def run(self, stone: int, grasps: list[Grasp]) -> Steps[PickPlanned | GraspsLeft]:
@@ -100,16 +119,21 @@ class PlanPick(Action[PlanPickSettings]):
         cloud = yield from surroundings(self.context)
         motion = self.context.use(MotionPlanner)
         reasons: list[str] = []
+        past = self._past()
         for number, grasp in enumerate(ordered, 1):
+            success = _expected(grasp, past)
+            if success is not None and success < self.settings.least_success:
+                reasons.append(_unlikely(success, self.settings.least_success))
+                continue
             T_map_base = yield from self._leaning(grasp)
             request = self._request(grasp, cloud, T_map_base)
             plan = yield from self.context.job(motion.move, request)
             if plan.trajectory is None:
                 reasons.append(plan.reason)
                 continue
-            attempt = self.context.now_s(), _on_stone(grasp, known)
+            attempt = _Tried(self.context.now_s(), _on_stone(grasp, known), grasp.hold_rate)
             self._tried.setdefault(stone, []).append(attempt)
-            self._record(known, grasp, reasons)
+            self._record(known, grasp, reasons, success)
             self.context.show("path", plan)
             return succeeded(PickPlanned(ordered[number:], grasp, plan.trajectory))
         causes = "; ".join(sorted(set(reasons)))
@@ -126,18 +150,31 @@ class PlanPick(Action[PlanPickSettings]):
         )
 
     def _failed(self, stone: Stone) -> list[Float]:
-        """Forget what was tried until the stone was last placed; return what failed since."""
-        placed_s = max(
-            (
-                event.stamp_s
-                for event in self.context.use(ObjectDatabase).history(stone.id)
-                if event.state is StoneState.PLACED
-            ),
-            default=float("-inf"),
-        )
-        failures = [one for one in self._tried.get(stone.id, []) if one[0] > placed_s]
-        self._tried[stone.id] = failures
-        return [T_object_gripper for _, T_object_gripper in failures]
+        """Return the attempts that have failed since the stone was last placed."""
+        placed_s = max(self._placed_s(stone.id), default=float("-inf"))
+        tried = self._tried.get(stone.id, [])
+        return [one.T_object_gripper for one in tried if one.start_s > placed_s]
+
+    def _placed_s(self, stone: int) -> list[float]:
+        """Return the times at which a stone was placed [s]."""
+        history = self.context.use(ObjectDatabase).history(stone)
+        return [event.stamp_s for event in history if event.state is StoneState.PLACED]
+
+    def _past(self) -> list[tuple[float, bool]]:
+        """Return how often the grasp of each attempt holds, and whether it led to a place.
+
+        A stone that was released at its place, and has stood off it, was held all the same.
+        """
+        past: list[tuple[float, bool]] = []
+        for stone, tried in self._tried.items():
+            placed_s = self._placed_s(stone)
+            ends_s = [*(one.start_s for one in tried[1:]), float("inf")]
+            past += [
+                (one.hold_rate, any(one.start_s < time_s <= end_s for time_s in placed_s))
+                for one, end_s in zip(tried, ends_s, strict=True)
+                if one.hold_rate is not None
+            ]
+        return past
 
     def _leaning(self, grasp: Grasp) -> Generator[Job[Any], Any, Float]:
         """Return where the chassis is once the gripper is at the grasp: legs yield to the arm."""
@@ -163,12 +200,23 @@ class PlanPick(Action[PlanPickSettings]):
             jaw_rad=self.context.machine().gripper.open_rad,
         )
 
-    def _record(self, stone: Stone, grasp: Grasp, passed_over: list[str]) -> None:
+    def _record(
+        self, stone: Stone, grasp: Grasp, passed_over: list[str], success: float | None
+    ) -> None:
         record = GraspRecord(grasp.T_map_gripper, grasp.opening_m, grasp.score, dict(grasp.costs))
         self.context.record(
-            AttemptStarted(stone.id, stone.centroid_map, record, tuple(passed_over))
+            AttemptStarted(stone.id, stone.centroid_map, record, tuple(passed_over), success)
         )
         self.context.show("grasp", grasp)
+
+
+def _expected(grasp: Grasp, past: Sequence[tuple[float, bool]]) -> float | None:
+    """Return the chance that an attempt with a grasp places its stone; None if nothing tells it."""
+    return None if grasp.hold_rate is None else expected_success(grasp.hold_rate, past)
+
+
+def _unlikely(success: float, least: float) -> str:
+    return f"placed by it with {success:.0%}, and least_success asks for {least:.0%}"
 
 
 def _on_stone(grasp: Grasp, stone: Stone) -> Float:

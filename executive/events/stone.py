@@ -41,12 +41,15 @@ class AttemptStarted(Event):
         centroid_map: Estimated centroid of the stone [m], shape (3,).
         grasp: The grasp.
         passed_over: Why better grasps were passed over: no path was found to them.
+        success: Expected chance that the attempt places the stone, 0 to 1, after what came of those
+            before it on the site; None if nothing tells how often the grasp holds.
     """
 
     stone: int
     centroid_map: Float
     grasp: GraspRecord
     passed_over: tuple[str, ...]
+    success: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

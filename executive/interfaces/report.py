@@ -29,6 +29,7 @@ class AttemptReport:
         reason: Why, for a person.
         started_s: Mission time of its begin [s].
         ended_s: Mission time of its end [s].
+        success: The chance of being placed that was expected of it, 0 to 1; None if none was.
     """
 
     grasp: GraspRecord
@@ -36,6 +37,7 @@ class AttemptReport:
     reason: str
     started_s: float
     ended_s: float
+    success: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,17 +19,22 @@ class Grasp:
         score: Higher is better; only comparable within one plan.
         costs: The terms of the score by name: `align_rad`, `enclose_m`, `distance_m` (Mascaro 2020,
             Eq. 5–7), and others.
+        hold_rate: The share of lifts with this grasp that are expected to hold, 0 to 1, from
+            rehearsals and predictions; None if nothing tells it.
     """
 
     T_map_gripper: Float
     opening_m: float
     score: float
     costs: Mapping[str, float]
+    hold_rate: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(
             self, "T_map_gripper", checked("T_map_gripper", self.T_map_gripper, 4, 4)
         )
+        if self.hold_rate is not None and not 0.0 <= self.hold_rate <= 1.0:
+            raise ValueError(f"hold_rate is a share from 0 to 1, got {self.hold_rate}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -60,11 +60,16 @@ def _hanging(event: stone.StoneNotLifted) -> str:
     return told if event.higher_kg is None else f"{told}, {event.higher_kg:.0f} kg higher up"
 
 
+def _expected(event: stone.AttemptStarted) -> str:
+    """Return the chance of an attempt in words, if one is expected."""
+    return "" if event.success is None else f", {event.success:.0%} likely to be placed"
+
+
 def _of_stone(event: Event) -> str:
     """Return what became of a stone."""
     match event:
         case stone.AttemptStarted():
-            return f"stone {event.stone}: moving to a grasp"
+            return f"stone {event.stone}: moving to a grasp{_expected(event)}"
         case stone.StoneGrasped():
             return f"stone {event.stone}: grasped at {event.jaw_rad:.2f} rad"
         case stone.JawsClosedOnNothing():

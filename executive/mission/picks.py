@@ -36,6 +36,7 @@ class Try:
     ended_s: float
     outcome: str = _UNFINISHED
     reason: str = ""
+    success: float | None = None  # that was expected of it
 
 
 @dataclass(slots=True)
@@ -98,7 +99,9 @@ class Pick:
         return PickReport(
             object=self.stone,
             attempts=tuple(
-                AttemptReport(t.grasp, self._outcome_of(t), t.reason, t.started_s, t.ended_s)
+                AttemptReport(
+                    t.grasp, self._outcome_of(t), t.reason, t.started_s, t.ended_s, t.success
+                )
                 for t in self.tries
             ),
             placed=self.is_placed,
@@ -135,7 +138,9 @@ class Picks:
             case AttemptStarted():
                 self.cut_off(time_s)
                 x, y, z = (float(value) for value in event.centroid_map)
-                self._current = Try(event.stone, time_s, event.grasp, (x, y, z), time_s)
+                self._current = Try(
+                    event.stone, time_s, event.grasp, (x, y, z), time_s, success=event.success
+                )
                 self._pick_of(event.stone).tries.append(self._current)
             case JawsClosedOnNothing():
                 self._end(time_s, "empty", event.reason)

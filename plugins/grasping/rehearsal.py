@@ -130,6 +130,10 @@ class Rehearsal(ABC):
     def score(self, worth: float, is_telling: bool, seen: Rehearsed) -> float:
         """Return the score of a grasp, given a prediction before its lifts that may tell or not."""
 
+    def rate_of(self, score: float) -> float | None:
+        """Return the share of lifts that are expected to hold; None if a score does not tell it."""
+        return None
+
     @abstractmethod
     def highest(self, worth: float) -> float:
         """Return the highest score that a grasp of a telling worth can get."""
@@ -263,6 +267,9 @@ class DrawnLifts(Rehearsal):
 
     def score(self, worth: float, is_telling: bool, seen: Rehearsed) -> float:
         return _rate(worth if is_telling else None, seen.lifted * seen.made, seen.made)
+
+    def rate_of(self, score: float) -> float | None:
+        return score
 
     def highest(self, worth: float) -> float:
         return _rate(worth, _DRAWN, _DRAWN)

@@ -191,7 +191,8 @@ class SampledPlanner(GraspPlanner):
                 best = max(best, score)
                 costs = _costs_at(i, pool.costs, order.costs) | _costs_of(seen)
                 opening_m = self._machine.gripper.max_opening_m
-                grasp = Grasp(T_map_gripper, opening_m, score, costs)
+                rate = None if known is None else rehearsal.rate_of(score)
+                grasp = Grasp(T_map_gripper, opening_m, score, costs, rate)
                 found.append(_Lifted(i, grasp, worth, seen))
             if tried == (s.rehearsed or s.max_grasps) or (not order.is_telling and firm == _ENOUGH):
                 break
@@ -227,7 +228,8 @@ class SampledPlanner(GraspPlanner):
             known = _with_past(best.seen, pool, i)
             score = rehearsal.score(best.worth, True, known)
             costs = {**best.grasp.costs, **_costs_of(best.seen)}
-            best.grasp = replace(best.grasp, score=score, costs=costs)
+            rate = rehearsal.rate_of(score)
+            best.grasp = replace(best.grasp, score=score, costs=costs, hold_rate=rate)
 
     def _rehearsed(
         self,

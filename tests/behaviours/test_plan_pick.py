@@ -1,5 +1,7 @@
 """A way to a grasp: the first that is free, and after a failure one unlike those before."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from executive_plugins.objects.sqlite import SqliteObjects
@@ -177,3 +179,42 @@ def test_a_grasp_out_of_reach_is_planned_from_where_the_machine_is(leaf, fakes):
     planner = context.plugins["motion"] = Planner(reached=None)
     assert fakes.finish(leaf, stone=1, grasps=[grasp(5.0)]).success
     np.testing.assert_array_equal(planner.asked[0].T_map_base, context.state().T_map_base)
+
+
+def holding(x, hold_rate):
+    """A grasp of which lifts were rehearsed."""
+    return replace(grasp(x), hold_rate=hold_rate)
+
+
+def attempt(leaf, fakes, grasps):
+    """The chance that an attempt was told to have; 0 s is before all that happens to the stone."""
+    fakes.finish(leaf, stone=1, grasps=grasps)
+    return leaf.context.notes[-1][1]["success"]
+
+
+def test_an_attempt_tells_its_chance_and_learns_what_came_of_those_before(leaf, fakes):
+    first = attempt(leaf, fakes, [holding(5.0, 0.9)])
+    failed = attempt(leaf, fakes, [holding(5.3, 0.9)])
+    assert 0.8 < first < 0.95
+    assert failed < first - 0.04
+
+
+def test_a_stone_that_was_placed_makes_the_next_attempt_likelier(leaf, fakes):
+    first = attempt(leaf, fakes, [holding(5.0, 0.9)])
+    leaf.context.plugins["objects"].now_is(StoneState.PLACED, leaf.context.now_s() + 0.1)
+    assert attempt(leaf, fakes, [holding(5.3, 0.9)]) > first
+
+
+def test_nothing_is_expected_of_a_grasp_that_nobody_lifted(leaf, fakes):
+    assert attempt(leaf, fakes, [grasp(5.0)]) is None
+
+
+def test_grasps_below_the_least_success_are_refused_with_their_chance(fakes):
+    context = fakes.Context(objects=Objects(), mapping=Mapper(), motion=Planner())
+    leaf = PlanPick(PlanPickSettings(least_success=0.8), context)
+    outcome = fakes.finish(leaf, stone=1, grasps=[holding(5.0, 0.1), holding(5.3, 0.2)])
+    assert not outcome.success
+    assert "least_success asks for 80%" in outcome.reason
+    assert not context.plugins["motion"].asked
+    outcome = fakes.finish(leaf, stone=1, grasps=[holding(5.0, 0.1), holding(5.3, 0.95)])
+    assert outcome.outputs.grasp.T_map_gripper[0, 3] == pytest.approx(5.3)

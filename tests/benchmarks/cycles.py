@@ -26,7 +26,8 @@ def main(words: Sequence[str] | None = None) -> int:
     )
     given = parser.parse_args(words)
 
-    from trials.cycles import figures, found_in
+    from trials.cycles import figures
+    from trials.ended import found_in
 
     reports = found_in(given.folders)
     if not reports:

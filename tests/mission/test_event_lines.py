@@ -65,6 +65,9 @@ LINES = {
     "drives 8.2 m to (3.0, -7.1)": driving.DriveStarted(HERE, 8.21),
     "stands 0.12 m off the goal": driving.DriveEnded(HERE, 0.123, 0.5, 9.0),
     "stone 4: moving to a grasp": stone.AttemptStarted(4, HERE, GRASP, ()),
+    "stone 5: moving to a grasp, 87% likely to be placed": stone.AttemptStarted(
+        5, HERE, GRASP, (), 0.87
+    ),
     "stone 4: grasped at 0.46 rad": stone.StoneGrasped(4, 0.456, 10, 0),
     "stone 4: nothing there": stone.JawsClosedOnNothing(4, "nothing there"),
     "stone 4: not lifted, 1306 of at least 1540 kg hang in the jaws": stone.StoneNotLifted(

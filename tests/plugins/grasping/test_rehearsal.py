@@ -46,6 +46,7 @@ def test_in_kind_a_first_fall_ends_the_lifts_and_costs_the_whole_prediction() ->
     seen = kind.lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
     assert len(lifts.made) == 1
     assert kind.score(1.0, True, seen) == pytest.approx(0.0)
+    assert kind.rate_of(0.0) is None  # it is no rate
     assert kind.slips(seen, 0.3)
 
 
@@ -55,6 +56,7 @@ def test_elsewhere_one_fall_is_evidence_and_no_verdict(scenario: Scenario) -> No
     seen = drawn.lift(lifts, np.eye(4), 0.5)  # type: ignore[arg-type]
     assert len(lifts.made) == 4
     assert drawn.score(0.8, True, seen) == pytest.approx((2 * 0.8 + 2) / 6)
+    assert drawn.rate_of(0.6) == 0.6
     assert drawn.score(0.8, True, seen) <= drawn.highest(0.8)
     assert drawn.score(0.0, False, seen) == pytest.approx(0.5)
     assert not drawn.slips(seen, 0.3)

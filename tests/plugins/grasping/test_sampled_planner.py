@@ -94,6 +94,9 @@ class Rehearsal:
     def score(self, worth: float, is_telling: bool, seen: Seen) -> float:
         return (worth if is_telling else 0.0) - seen.slip_m
 
+    def rate_of(self, score: float) -> float | None:
+        return min(max(score / 2, 0.0), 1.0)
+
     def is_firm(self, seen: Seen) -> bool:
         return seen.slip_m == 0.0
 
@@ -220,6 +223,7 @@ def test_grasps_have_their_pose_score_and_costs_best_first() -> None:
     found = plan(planner)
     assert numbers(found) == [1, 2, 0]
     assert [grasp.score for grasp in found.grasps] == pytest.approx([0.65, 0.6, 0.5])
+    assert [grasp.hold_rate for grasp in found.grasps] == pytest.approx([0.325, 0.3, 0.25])
     best = found.grasps[0]
     assert best.T_map_gripper == pytest.approx(T_MAP_PLAN @ pose(t=np.array([1.0, 0.0, 0.0])))
     assert best.opening_m == 1.2
@@ -291,6 +295,7 @@ def test_without_rehearsals_the_worth_is_the_score() -> None:
     assert numbers(found) == [1, 2]  # three are tried, and the first is unlikely
     assert found.refused == {"unlikely": 1}
     assert found.grasps[0].costs == {"align_rad": 0.1, "shallow_m": -0.05}
+    assert found.grasps[0].hold_rate is None
 
 
 def test_lifts_end_once_four_are_firm_and_none_can_become_the_best() -> None:

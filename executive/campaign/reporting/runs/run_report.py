@@ -120,6 +120,7 @@ def _picks(picks: Sequence[PickReport]) -> Markup:
         (
             f"stone {pick.object}" if not number else "",
             str(number + 1),
+            "" if attempt.success is None else f"{attempt.success:.0%}",
             attempt.outcome,
             attempt.reason,
             amount(attempt.started_s, "s"),
@@ -129,11 +130,11 @@ def _picks(picks: Sequence[PickReport]) -> Markup:
         for pick in picks
         for number, attempt in enumerate(pick.attempts)
     ]
-    heads = ("stone", "attempt", "outcome", "reason", "begun at", "took", "slot")
+    heads = ("stone", "attempt", "expected", "outcome", "reason", "begun at", "took", "slot")
     aside = [
         f"Stone {pick.object} was set aside: {pick.set_aside}" for pick in picks if pick.set_aside
     ]
-    parts = table(heads, rows, numbers=(1, 4, 5, 6))
+    parts = table(heads, rows, numbers=(1, 2, 5, 6, 7))
     return Markup(parts + listing(aside)) if aside else parts
 
 
