@@ -26,11 +26,24 @@ def orientations(vertices: Float, sides: int | None, turns: int, first_rad: floa
     """
     found = []
     for R in _laid(vertices, sides):
-        xy = (vertices @ R.T)[:, :2]
-        longest = np.linalg.svd(xy - xy.mean(axis=0), full_matrices=False)[2][0]
-        level = about_axis(_UP, first_rad - float(np.arctan2(longest[1], longest[0])))
+        level = about_axis(_UP, first_rad - _heading_rad((vertices @ R.T)[:, :2]))
         found += [about_axis(_UP, 2 * np.pi * k / turns) @ level @ R for k in range(turns)]
     return found
+
+
+def _heading_rad(xy: Float) -> float:
+    """Return the heading of the longer side of the smallest rectangle around points (V, 2) [rad].
+
+    One of its sides goes through two neighbours of their convex hull (Freeman and Shapira 1975).
+    """
+    corners = xy[ConvexHull(xy).vertices]
+    edges = np.roll(corners, -1, axis=0) - corners
+    along = edges / np.linalg.norm(edges, axis=1, keepdims=True)  # (E, 2)
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    sides = np.stack([np.ptp(corners @ along.T, axis=0), np.ptp(corners @ across.T, axis=0)])
+    best = int(np.argmin(sides.prod(axis=0)))
+    longer = along[best] if sides[0, best] >= sides[1, best] else across[best]
+    return float(np.arctan2(longer[1], longer[0]))
 
 
 def _laid(vertices: Float, sides: int | None) -> list[Float]:

@@ -57,7 +57,9 @@ class GeneratorSettings(Settings):
         "`kept`: stones are turned about the vertical only, as a gripper carries them; `any`: also "
         "onto other sides."))  # fmt: skip
     sides: int = Field(6, ge=1, le=20, description="Broad sides of each stone that are tried.")
-    turns: int = Field(10, ge=1, le=36, description="Turns about the vertical of each side.")
+    turns: int = Field(12, ge=1, le=36, description=(
+        "Turns about the vertical of each side, from the one in which its length lies along the "
+        "structure; only of a multiple of four does one lay it straight across."))  # fmt: skip
     finer: int = Field(3, ge=1, le=10, description=(
         "How many times as many turns are tried before nothing is said to fit; 1 tries no more."
     ))  # fmt: skip
