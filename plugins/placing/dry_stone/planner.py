@@ -71,8 +71,9 @@ class DryStone(StructurePlanner):
         self._finer: Generator = part_of(parts[0].part, "generator", _GENERATORS, finer)
         self._scorer: Scorer = part_of(parts[1].part, "scorer", _SCORERS, parts[1])
         self._noise = Noise(parts[2])
-        # Told as exactly as a stone rolls in its last step.
+        # Told as exactly as a stone rolls in its last step; and as maps tell the place of its rim.
         self._most_rad = (parts[2].most_tilt or FAR_RAD) + STEPS_RAD[-1]
+        self._most_doubted_rad = self._most_rad + parts[0].cell / 2 / _ARM_M
         self._check: StabilityCheck = part_of(parts[2].part, "check", _CHECKS, parts[2])
 
     def start(self) -> None:
@@ -95,11 +96,11 @@ class DryStone(StructurePlanner):
         usable = self._usable(inventory, refused)
         if reason := _why_none(inventory, usable, refused):
             return BuildPlan((), reason, dict(refused), self._detail(reason))
-        search = Search(self._generator, built, usable, rng, may_go_on, refused)
+        search = Search(self._generator, built, usable, rng, may_go_on, refused, self._most_rad)
         stones = self._tried_first(usable, rng)
         targets: list[BuildTarget] = []
-        for generator in self._rounds():
-            search.go_on_with(generator)
+        for generator, most_rad in self._rounds():
+            search.go_on_with(generator, most_rad)
             targets = self._first(stones, search)
             if targets or not may_go_on():
                 break
@@ -107,10 +108,15 @@ class DryStone(StructurePlanner):
             refused["out_of_time"] += 1
         return _plan(targets, refused, len(usable))
 
-    def _rounds(self) -> list[Generator]:
-        """Return by whom places are proposed: too few turns look like no room."""
-        rounds: list[Generator] = [self._generator]
-        return rounds if self._settings.generator.finer == 1 else [*rounds, self._finer]
+    def _rounds(self) -> list[tuple[Generator, float]]:
+        """Return by whom places are proposed, and the tilt beyond which they are left out [rad].
+
+        Too few turns look like no room, and so does a height map that tells a stone too tilted.
+        """
+        rounds: list[tuple[Generator, float]] = [(self._generator, self._most_rad)]
+        if self._settings.generator.finer > 1:
+            rounds.append((self._finer, self._most_doubted_rad))
+        return rounds
 
     def _first(self, stones: Sequence[SolidStone], search: Search) -> list[BuildTarget]:
         """Return the targets of the first lot of stones that has one."""
@@ -212,8 +218,8 @@ class DryStone(StructurePlanner):
 
     def _risked(self, place: Place, generator: TellsFooting, search: Search) -> Place | None:
         """Return a place less what its checks will cost until one like it holds (Weitzman 1979)."""
-        footing = generator.footing(place, search.built, self._noise, self._most_rad)
-        if footing.tilt_rad > self._most_rad:
+        footing = generator.footing(place, search.built, self._noise, search.most_rad)
+        if footing.tilt_rad > search.most_rad:
             return None
         if self._settings.check.is_free:
             return place

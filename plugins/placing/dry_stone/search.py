@@ -24,6 +24,7 @@ class Search:
         rng: The only source of chance.
         may_go_on: Whether there is time.
         refused: Number of stones and places that were passed over, by reason.
+        most_rad: Tilt beyond which a place is left out as the stone rolls to rest there [rad].
         found: The best places of each stone that was gone through, by its name, as many as are
             kept when all stones are gone through again.
         checked: Stone and pose of the places that were checked.
@@ -38,15 +39,18 @@ class Search:
     rng: np.random.Generator
     may_go_on: MayGoOn
     refused: Counter[str]
+    most_rad: float
     found: dict[str, Sequence[Place]] = field(default_factory=dict)
     checked: set[tuple[str, bytes]] = field(default_factory=set)
     rested: dict[tuple[str, bytes], Sequence[Place]] = field(default_factory=dict)
     failed: list[Float] = field(default_factory=list)
 
-    def go_on_with(self, generator: Generator) -> None:
-        """Propose places by this generator from now on."""
+    def go_on_with(self, generator: Generator, most_rad: float) -> None:
+        """Propose places by this generator from now on, and leave them out beyond this tilt."""
         if generator is not self.generator:
             self.generator, self.found = generator, {}
+        if most_rad != self.most_rad:
+            self.most_rad, self.rested = most_rad, {}
 
     def unchecked(self, places: Sequence[Place]) -> list[Place]:
         """Return the places that were not checked yet."""

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from executive_plugins.placing.dry_stone.footing import Footing, Noise
 from executive_plugins.placing.dry_stone.height_maps import HeightMaps
 from executive_plugins.placing.dry_stone.parts import Place, Stability
 from executive_plugins.placing.dry_stone.planner import DryStone
@@ -93,3 +94,31 @@ class Counts:
         R = place.T_map_stone[:3, :3]
         self.headings.append(float(np.arctan2(R[1, 0], R[0, 0])))
         return Stability("topples", place.T_map_stone, 0.0, 0.0, {})
+
+
+class Tilted(HeightMaps):
+    """Tells that every stone rests at a tilt."""
+
+    deg: ClassVar[float] = 0.0
+
+    def footing(self, place: Place, built: AsBuilt, noise: Noise, most_rad: float) -> Footing:
+        return Footing(float(np.radians(self.deg)), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("deg", "finer", "fits"), [(6, 1, True), (8, 1, False), (8, 2, True), (10, 2, False)]
+)
+def test_a_tilt_that_a_map_may_have_mistaken_is_checked_before_nothing_is_said_to_fit(
+    deg: float, finer: int, fits: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A rim of half a metre that is half a cell of 5 cm off in height is a tilt of 3°."""
+    monkeypatch.setattr(Tilted, "deg", deg)
+    planner = DryStone(
+        DryStoneSettings.model_validate({
+            "check": {"part": "none", "most_tilt": "6 deg"}, "covered": 1.0,
+            "generator": {"part": f"{__name__}:Tilted", "attitude": "kept", "finer": finer},
+        })
+    )  # fmt: skip
+    plan = planner.propose(bare(), (box("one", 0.7, 0.5, 0.4),), np.random.default_rng(0))
+    assert plan.reason == (None if fits else "nothing_fits")
+    assert fits or set(plan.refused) == {"tilts_away"}

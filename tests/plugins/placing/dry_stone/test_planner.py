@@ -331,12 +331,12 @@ def test_a_stone_that_tilts_costs_one_release_of_a_check(
     monkeypatch: pytest.MonkeyPatch, refusal: str, most: int
 ) -> None:
     """Two checks are two times a release and eight under noise; one round of places is tried."""
-    one, seen = planner(check={"part": "none", "tries": 2, "samples": 8}), []
+    check = {"part": "none", "tries": 2, "samples": 8}
+    one, seen = planner(check=check, generator={"finer": 1}), []
 
     def refuse(place, built, rng, may_go_on):
         seen.append(place)
         return Stability(refusal, place.T_map_stone, 0.0, 0.0, {})
 
     monkeypatch.setattr(one._check, "check", refuse)
-    monkeypatch.setattr(one, "_rounds", lambda: [one._generator])
     assert one.propose(bare(), boxes(), rng()).refused[refusal] == len(seen) == most
