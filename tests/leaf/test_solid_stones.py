@@ -1,6 +1,7 @@
 """The solid of a known stone: the hull of what was seen, down to the ground, and room around it."""
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -97,6 +98,50 @@ def test_a_stone_that_was_turned_keeps_the_foot_on_which_it_lay():
     standing = solid_stone(stone(points, now), ground(), objects)
     sizes = [LENGTH_M, HEIGHT_M + 0.1, WIDTH_M]  # the foot is at its side now
     assert size_of(standing) == pytest.approx(sizes, abs=0.04)
+
+
+def leaning(low_m, state=StoneState.ON_GROUND):
+    """Return a block that was seen all around and lies turned by 20° since it was grasped."""
+    lay = pose(t=(5.5, 2.3, 0.25))
+    now = pose(from_rpy(np.radians(20.0), 0.0, 0.0), (5.5, 2.3, 0.0))
+    points = (block(0.0) - lay[:3, 3]) @ now[:3, :3].T + now[:3, 3]
+    now[2, 3] = low_m - points[:, 2].min()
+    points[:, 2] += now[2, 3]
+    objects = Objects(("found", lay), ("grasp", now), ("release", now))
+    return replace(stone(points, now), state=state), objects
+
+
+def rests(standing):
+    """Return whether its lowest 5 cm are around its centre of mass."""
+    corners = standing.stone.vertices
+    low = corners[corners[:, 2] < corners[:, 2].min() + 0.05, :2]
+    return bool((low.min(axis=0) < 0.0).all() and (low.max(axis=0) > 0.0).all())
+
+
+@pytest.mark.parametrize("low_m", [0.0, 0.1, -0.03])
+def test_a_stone_that_lies_on_the_ground_in_another_attitude_is_carried_there(low_m):
+    """It rests on what was not seen of it: otherwise it would not lie there."""
+    one, objects = leaning(low_m)
+    seen = np.ptp(one.points_map, axis=0)
+    standing = solid_stone(one, ground(), objects)
+    assert rests(standing)
+    assert size_of(standing) == pytest.approx(seen + (0.0, 0.0, low_m), abs=0.04)
+
+
+@pytest.mark.parametrize(
+    ("state", "low_m", "around"),
+    [
+        (StoneState.HELD, 0.0, ground()),  # its foot has turned with it
+        (StoneState.PLACED, 0.0, ground()),  # others may carry it
+        (StoneState.ON_GROUND, 0.5, ground()),  # it lies on something else
+        (StoneState.ON_GROUND, 0.0, NO_GROUND),
+    ],
+)
+def test_what_is_not_known_to_lie_on_the_ground_is_carried_by_nothing_more(state, low_m, around):
+    one, objects = leaning(low_m, state)
+    standing = solid_stone(one, around, objects)
+    assert not rests(standing)
+    assert size_of(standing) == pytest.approx(np.ptp(one.points_map, axis=0), abs=0.04)
 
 
 def test_each_stone_has_a_solid_by_its_number():
