@@ -31,11 +31,18 @@ class SampleBuffer:
         """Time of the oldest sample [s]."""
         return self._stamps_s[0]
 
-    def arrays(self) -> tuple[Float, Float, Float]:
-        """Return times [s], (n,), angular velocities and specific forces, shapes (n, 3)."""
-        rates = np.array([sample.rate for sample in self._samples]).reshape(-1, 3)
-        forces = np.array([sample.force for sample in self._samples]).reshape(-1, 3)
-        return np.array(self._stamps_s), rates, forces
+    def arrays(self, from_s: float = -np.inf, to_s: float = np.inf) -> tuple[Float, Float, Float]:
+        """Return times [s], (n,), angular velocities and specific forces, shapes (n, 3).
+
+        Args:
+            from_s: Of the samples that end at this time or later [s],
+            to_s: and before this one [s].
+        """
+        inside = slice(bisect_left(self._stamps_s, from_s), bisect_left(self._stamps_s, to_s))
+        samples = self._samples[inside]
+        rates = np.array([sample.rate for sample in samples]).reshape(-1, 3)
+        forces = np.array([sample.force for sample in samples]).reshape(-1, 3)
+        return np.array(self._stamps_s[inside]), rates, forces
 
     def append(self, sample: Inertial) -> None:
         """Add a sample that is newer than all others."""
