@@ -196,37 +196,36 @@ def fix_factor(node: int, fix: Fix) -> gtsam.NonlinearFactor:
     return gtsam.GPSFactorArm(X(node), fix.p_map_antenna, fix.arm_imu, robust)
 
 
-def shifted_fix_factor(node: int, clock: int, fix: Fix, rate_imu: Float) -> gtsam.NonlinearFactor:
-    """Return a factor on a fix whose stamp is late by an unknown time d: |p_a − v_a d − z|.
+def late_fix_factor(node: int, clock: int, fix: Fix, speed_map: Float) -> gtsam.NonlinearFactor:
+    """Return a factor on a fix whose stamp is late by an unknown time d: |p + R l − s d − z|.
 
-    Here p_a = p + R l and v_a = v + R (ω × l) are position and velocity of the antenna. A motion
-    over d that is not linear is neglected: stamps are corrected by the offset that is known.
+    A motion over d that is not linear is neglected: stamps are corrected by the offset that is
+    known.
 
     Args:
         node: The node at the stamp.
         clock: Key of a vector of one element, d plus `fix.late_s` [s].
         fix: The fix.
-        rate_imu: Angular velocity ω in IMU axes [rad/s], shape (3,).
+        speed_map: Velocity s of the antenna in the map, as it is known beforehand [m/s], shape
+            (3,). If it were the node's own, the node would fit the noise of the fix, the better the
+            larger d is.
     """
-    arm, speed_imu, z = fix.arm_imu, np.cross(rate_imu, fix.arm_imu), fix.p_map_antenna
+    arm, z = fix.arm_imu, fix.p_map_antenna
 
     def error(this: gtsam.CustomFactor, values: gtsam.Values, H: list[Float] | None) -> Float:
-        x, v, d = this.keys()
-        T, velocity = values.atPose3(x), values.atVector(v)
-        late_s = float(values.atVector(d)[0]) - fix.late_s
+        x, d = this.keys()
+        T, late_s = values.atPose3(x), float(values.atVector(d)[0]) - fix.late_s
         R = T.rotation().matrix()
-        v_antenna = velocity + R @ speed_imu
         if H is not None:
-            H[0] = np.hstack([-R @ skew(arm - late_s * speed_imu), R])
-            H[1] = -late_s * np.eye(3)
-            H[2] = -v_antenna[:, None]
-        return np.asarray(T.translation() + R @ arm - late_s * v_antenna - z)
+            H[0] = np.hstack([-R @ skew(arm), R])
+            H[1] = -speed_map[:, None]
+        return np.asarray(T.translation() + R @ arm - late_s * speed_map - z)
 
     gaussian = gtsam.noiseModel.Gaussian.Covariance(fix.covariance)
     robust = gtsam.noiseModel.Robust.Create(
         gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gaussian
     )
-    return gtsam.CustomFactor(robust, [X(node), V(node), clock], error)
+    return gtsam.CustomFactor(robust, [X(node), clock], error)
 
 
 def clock_factor(nodes: tuple[int, int], over_s: float) -> gtsam.NonlinearFactor:

@@ -14,8 +14,8 @@ from executive_plugins.estimation.factors import (
     inertial_factor,
     insert,
     keys,
+    late_fix_factor,
     prior,
-    shifted_fix_factor,
 )
 from executive_plugins.estimation.gate.measurements import Fix, Increment, Measurement
 from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
@@ -33,6 +33,7 @@ from executive_plugins.estimation.inertial.state import (
     propagate,
     retract,
 )
+from executive_plugins.estimation.inertial.steady_rate import SteadyRate
 
 from executive.arrays import Float
 from executive.geometry.rotation import log_so3
@@ -76,6 +77,7 @@ class WholeGraph:
         self._samples = SampleBuffer()
         for sample in (first.sample, *recording.samples):
             self._samples.append(sample)
+        self._steady = SteadyRate(self._samples, noise)
         end_s = self._samples.newest_s
         self._measurements = [
             m for m in recording.measurements if _begin_s(m) > first.stamp_s and m.stamp_s <= end_s
@@ -190,7 +192,7 @@ class WholeGraph:
         """Return a factor of a fix; a clock that is unknown is the same throughout."""
         if not self._has_clock:
             return fix_factor(node, fix)
-        return shifted_fix_factor(node, clock_key(0), fix, state.rate)
+        return late_fix_factor(node, clock_key(0), fix, self._steady.speed(state, fix.arm_imu))
 
     def _moves(self, state: InertialState, arm_imu: Float) -> bool:
         speed_m_s = float(np.linalg.norm(_speed(state, arm_imu)))

@@ -12,8 +12,8 @@ from executive_plugins.estimation.factors import (
     covariance_of,
     fix_factor,
     inertial_factor,
+    late_fix_factor,
     prior,
-    shifted_fix_factor,
 )
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.graph.chain import GraphChain, nodes_of
@@ -26,6 +26,7 @@ from executive_plugins.estimation.inertial.state import (
     InertialState,
     propagate_through,
 )
+from executive_plugins.estimation.inertial.steady_rate import SteadyRate
 
 from executive.arrays import Float
 from executive.errors import DataError
@@ -174,7 +175,8 @@ class GraphWindow:
         if not self._has_clock:
             return fix_factor(node, fix)
         state = self._state(self._nodes.index(node))
-        return shifted_fix_factor(node, clock_key(node), fix, state.rate)
+        steady = SteadyRate(self._samples, self._noise, state.stamp_s)
+        return late_fix_factor(node, clock_key(node), fix, steady.speed(state, fix.arm_imu))
 
     def add(self, kind: str, stamp_s: float, factors: Iterable[gtsam.NonlinearFactor]) -> None:
         """Add factors between nodes; `take_back` removes them by kind and time."""

@@ -10,7 +10,7 @@ from executive_plugins.estimation.factors import (
     inertial_factor,
     insert,
     keys,
-    shifted_fix_factor,
+    late_fix_factor,
 )
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -21,7 +21,7 @@ from executive_plugins.estimation.inertial.state import (
     propagate_through,
 )
 from executive_plugins.estimation.inertial.steady_rate import SteadyRate
-from executive_plugins.estimation.start.window_solution import levelled
+from executive_plugins.estimation.start.window_solution import Solution, Speeds, levelled, solved
 from scipy.linalg import solve_triangular
 
 from executive.arrays import Float
@@ -60,7 +60,12 @@ Nodes = Sequence[tuple[float, Sequence[Fix]]]  # times [s], each with its fixes;
 
 
 class WindowProblem:
-    """Nodes at fixes, inertial factors between them, and first guesses for any heading."""
+    """Nodes at fixes, inertial factors between them, and first guesses for any heading.
+
+    A clock that is not known moves each fix by its error times the speed of the antenna. The
+    speeds are those of a solution in which the stamps are right: as unknowns of the same problem
+    they would fit the noise of the fixes, the better the larger the error of the clock is.
+    """
 
     def __init__(
         self, nodes: Nodes, samples: SampleBuffer, noise: InertialNoise, known: Knowledge
@@ -68,42 +73,80 @@ class WindowProblem:
         self._nodes, self._samples, self._noise, self._known = nodes, samples, noise, known
         self._reckoned = self._dead_reckoned()
         self._rates = self._steady_rates()
-        self.graph = gtsam.NonlinearFactorGraph()
-        for i, (state, (_, fixes)) in enumerate(zip(self._reckoned, nodes, strict=True)):
-            for fix in fixes:
-                self.graph.add(self._fix_factor(i, fix))
-            if i + 1 < len(nodes):
-                between = samples.between(state.stamp_s, nodes[i + 1][0])
-                self.graph.add(inertial_factor((i, i + 1), state, between, noise))
-        self._add_priors()
+        between = [
+            samples.between(state.stamp_s, end_s)
+            for state, (end_s, _) in zip(self._reckoned, nodes[1:], strict=False)
+        ]
+        self._between = [
+            inertial_factor((i, i + 1), self._reckoned[i], inside, noise)
+            for i, inside in enumerate(between)
+        ]
+        self._priors = self._weak_priors()
+
+    @property
+    def _has_clock(self) -> bool:
+        return self._known.clock_std_s > 0
 
     def _steady_rates(self) -> list[Float]:
         """Return the angular velocity at each node, by which an antenna tells the clock, (3,)."""
-        if self._known.clock_std_s == 0:
+        if not self._has_clock:
             return [state.rate for state in self._reckoned]
         steady = SteadyRate(self._samples, self._noise)
         return [steady.at(state.stamp_s) - state.gyro_bias for state in self._reckoned]
 
-    def _fix_factor(self, i: int, fix: Fix) -> gtsam.NonlinearFactor:
-        if self._known.clock_std_s > 0:
-            return shifted_fix_factor(i, CLOCK, fix, self._rates[i])
-        return fix_factor(i, fix)
+    def solved(self, heading_rad: float) -> Solution | None:
+        """Return the solution that is reached from a heading; None if there is none."""
+        values = self.guess(heading_rad)
+        found = solved(self.graph(), values)
+        if found is None or not self._has_clock:
+            return found
+        values, speeds = gtsam.Values(found.values), self._speeds(found.values)
+        values.insert(CLOCK, np.zeros(1))
+        return solved(self.graph(speeds), values, speeds)
 
-    def _add_priors(self) -> None:
-        """Constrain what the window may leave open: the biases, and weakly pose and velocity."""
+    def graph(self, speeds: Speeds | None = None) -> gtsam.NonlinearFactorGraph:
+        """Return all factors.
+
+        Args:
+            speeds: Velocity of each fix's antenna in the map [m/s], by which an error of the clock
+                moves it; None if the stamps are right.
+        """
+        graph = gtsam.NonlinearFactorGraph()
+        for i, (_, fixes) in enumerate(self._nodes):
+            for k, fix in enumerate(fixes):
+                late = None if speeds is None else late_fix_factor(i, CLOCK, fix, speeds[i][k])
+                graph.add(fix_factor(i, fix) if late is None else late)
+            if i < len(self._between):
+                graph.add(self._between[i])
+        graph.push_back(self._priors)
+        if speeds is not None:
+            std = gtsam.noiseModel.Isotropic.Sigma(1, self._known.clock_std_s)
+            graph.add(gtsam.PriorFactorVector(CLOCK, np.array([-self._known.late_s]), std))
+        return graph
+
+    def _speeds(self, values: gtsam.Values) -> Speeds:
+        """Return the velocity of each fix's antenna in the map [m/s]."""
+        speeds = []
+        for i, (_, fixes) in enumerate(self._nodes):
+            x, v, _b = keys(i)
+            R, velocity = values.atPose3(x).rotation().matrix(), values.atVector(v)
+            speeds.append([velocity + R @ np.cross(self._rates[i], fix.arm_imu) for fix in fixes])
+        return speeds
+
+    def _weak_priors(self) -> gtsam.NonlinearFactorGraph:
+        """Return factors on what the window may leave open: biases, and weakly pose and speed."""
+        graph = gtsam.NonlinearFactorGraph()
         _x, v, b = keys(0)
         known, diagonal = self._known, gtsam.noiseModel.Diagonal.Sigmas
         # A prior of each first guess' own heading would favour none; this one costs π²/200 at most.
         level = self._reckoned[0].R_map_imu
-        self.graph.add(self._pose_prior(level, _HEADING_STD_RAD, _TILT_STD_RAD))
+        graph.add(self._pose_prior(level, _HEADING_STD_RAD, _TILT_STD_RAD))
         speed = gtsam.noiseModel.Isotropic.Sigma(3, _VELOCITY_STD_M_S)
-        self.graph.add(gtsam.PriorFactorVector(v, np.zeros(3), speed))
+        graph.add(gtsam.PriorFactorVector(v, np.zeros(3), speed))
         bias = gtsam.imuBias.ConstantBias(np.zeros(3), known.gyro_bias)
         std = np.repeat([self._noise.accel_bias_m_s2, known.gyro_bias_std_rad_s], 3)
-        self.graph.add(gtsam.PriorFactorConstantBias(b, bias, diagonal(std)))
-        if known.clock_std_s > 0:
-            late = gtsam.noiseModel.Isotropic.Sigma(1, known.clock_std_s)
-            self.graph.add(gtsam.PriorFactorVector(CLOCK, np.array([-known.late_s]), late))
+        graph.add(gtsam.PriorFactorConstantBias(b, bias, diagonal(std)))
+        return graph
 
     def _dead_reckoned(self) -> list[InertialState]:
         """Return dead-reckoned states at the nodes, level but of arbitrary heading."""
@@ -137,19 +180,23 @@ class WindowProblem:
         for i, (state, R) in enumerate(zip(self._reckoned, attitudes, strict=True)):
             p, v = positions[i], velocities[i]
             insert(values, i, replace(state, R_map_imu=R, p_map_imu=p, v_map_imu=v))
-        if self._known.clock_std_s > 0:
-            values.insert(CLOCK, np.zeros(1))
         return values
 
-    def held(
-        self, values: gtsam.Values, turn_rad: float
-    ) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values]:
-        """Return the problem with the heading held elsewhere, and first values for it.
+    def held(self, solution: Solution, turn_rad: float) -> Solution | None:
+        """Return the solution with the heading held elsewhere; None if there is none.
 
         Args:
-            values: A solution.
+            solution: A solution.
             turn_rad: By how much the heading is turned from it [rad].
         """
+        guess = self.turned(solution.values, turn_rad)
+        first, _v, _b = keys(0)
+        graph = self.graph(solution.speeds)
+        graph.add(self._pose_prior(guess.atPose3(first).rotation().matrix(), _HELD_STD_RAD, 1e3))
+        return solved(graph, guess, solution.speeds)
+
+    def turned(self, values: gtsam.Values, turn_rad: float) -> gtsam.Values:
+        """Return values with another heading [rad], which leave the antennas at the fixes."""
         turn, guess = from_rpy(0.0, 0.0, turn_rad), gtsam.Values(values)
         for i, (_, fixes) in enumerate(self._nodes):
             x, _v, _b = keys(i)
@@ -157,10 +204,7 @@ class WindowProblem:
             R = turn @ T.rotation().matrix()
             p = T.translation() + T.rotation().matrix() @ arm - R @ arm
             guess.update(x, gtsam.Pose3(gtsam.Rot3(R), p))
-        first, _v, _b = keys(0)
-        graph = gtsam.NonlinearFactorGraph(self.graph)
-        graph.add(self._pose_prior(guess.atPose3(first).rotation().matrix(), _HELD_STD_RAD, 1e3))
-        return graph, guess
+        return guess
 
     def _pose_prior(
         self, R: Float, heading_std_rad: float, tilt_std_rad: float
@@ -172,18 +216,16 @@ class WindowProblem:
         level = gtsam.Pose3(gtsam.Rot3(R), np.zeros(3))
         return gtsam.PriorFactorPose3(keys(0)[0], level, gtsam.noiseModel.Gaussian.Covariance(P))
 
-    def residuals2(self, values: gtsam.Values) -> Float:
+    def residuals2(self, solution: Solution) -> Float:
         """Return the squared Mahalanobis distance of each fix from a solution, shape (F,)."""
-        late_s = float(values.atVector(CLOCK)[0]) if self._known.clock_std_s > 0 else 0.0
-        squares = []
+        values, speeds, squares = solution.values, solution.speeds, []
+        late_s = 0.0 if speeds is None else float(values.atVector(CLOCK)[0])
         for i, (_, fixes) in enumerate(self._nodes):
-            x, v, _b = keys(i)
-            T, velocity = values.atPose3(x), values.atVector(v)
-            R = T.rotation().matrix()
-            for fix in fixes:
-                speed = velocity + R @ np.cross(self._rates[i], fix.arm_imu)
-                at = T.translation() + R @ fix.arm_imu - late_s * speed
-                error = fix.p_map_antenna - at
+            T = values.atPose3(keys(i)[0])
+            for k, fix in enumerate(fixes):
+                at = T.translation() + T.rotation().matrix() @ fix.arm_imu
+                moved = at if speeds is None else at - late_s * speeds[i][k]
+                error = fix.p_map_antenna - moved
                 squares.append(float(error @ np.linalg.solve(fix.covariance, error)))
         return np.array(squares)
 
@@ -210,7 +252,7 @@ class WindowProblem:
         for node in range(len(self._nodes)):
             for key in keys(node):
                 ordering.push_back(key)
-        if self._known.clock_std_s > 0:
+        if self._has_clock:
             ordering.push_back(CLOCK)
         return ordering
 

@@ -30,7 +30,7 @@ from executive_plugins.estimation.start.window_problem import (
     WindowProblem,
     misfit,
 )
-from executive_plugins.estimation.start.window_solution import Solution, solved
+from executive_plugins.estimation.start.window_solution import Solution
 
 from executive.arrays import Float
 from executive.geometry.rotation import wrap_angle
@@ -180,7 +180,7 @@ class WindowStart:
             for k in range(1, _HEADINGS):
                 yield
                 turn_rad = wrap_angle(2 * np.pi * k / _HEADINGS)
-                turned = solved(*best.problem.held(likeliest.values, turn_rad))
+                turned = best.problem.held(likeliest, turn_rad)
                 if turned is not None:
                     held.append((turn_rad, turned.cost - likeliest.cost))
         yield
@@ -209,8 +209,7 @@ class WindowStart:
         solutions = []
         for k in range(_HEADINGS):
             yield
-            guess = problem.guess(2 * np.pi * k / _HEADINGS)
-            solution = solved(problem.graph, guess)
+            solution = problem.solved(2 * np.pi * k / _HEADINGS)
             if solution is not None:
                 solutions.append(solution)
         hypotheses = [self._hypothesis(one, problem, nodes) for one in solutions]
@@ -270,7 +269,7 @@ class WindowStart:
         if n > DIMENSION:
             late_s = self._late_s + float(solution.values.atVector(CLOCK)[0])
             clock = ClockOffset(late_s, float(np.sqrt(P[-1, -1])), P[:DIMENSION, -1])
-        squares, free = problem.residuals2(solution.values), problem.free(A, root)
+        squares, free = problem.residuals2(solution), problem.free(A, root)
         scale = max(1.0, self._fix_scale * misfit(squares, free, n))
         return Hypothesis(solution.cost, state, P[:DIMENSION, :DIMENSION], clock, scale)
 

@@ -10,9 +10,9 @@ from executive_plugins.estimation.factors import (
     inertial_factor,
     insert,
     keys,
+    late_fix_factor,
     pose_factor,
     prior,
-    shifted_fix_factor,
 )
 from executive_plugins.estimation.gate.measurements import Fix
 from executive_plugins.estimation.inertial.noise import InertialNoise
@@ -31,6 +31,7 @@ from executive.geometry.rotation import exp_so3, from_rpy
 NOISE = InertialNoise(1e-3, 1e-2, 1e-5, 1e-4, 1e-2, 9.81, 0.01)
 CLOCK = gtsam.symbol("d", 0)
 ARM, RATE = np.array([0.5, -1.0, 2.0]), np.array([0.2, -0.1, 0.6])
+SPEED = np.array([2.0, -1.0, 0.5])  # of the antenna, in the map
 
 
 def state(stamp_s: float = 0.0) -> InertialState:
@@ -80,28 +81,37 @@ def test_the_error_of_a_prior_is_half_the_squared_distance() -> None:
 @pytest.mark.parametrize("late_s", [0.0, 0.08])
 def test_a_late_fix_and_its_derivatives(late_s: float) -> None:
     where = state().p_map_imu + state().R_map_imu @ ARM
-    speed = state().v_map_imu + state().R_map_imu @ np.cross(RATE, ARM)
-    fix = Fix(0.0, "left", ARM, where - late_s * speed, 4e-4 * np.eye(3))
-    factor = shifted_fix_factor(0, CLOCK, fix, RATE)
+    fix = Fix(0.0, "left", ARM, where - late_s * SPEED, 4e-4 * np.eye(3))
+    factor = late_fix_factor(0, CLOCK, fix, SPEED)
     values = gtsam.Values()
     insert(values, 0, state())
     values.insert(CLOCK, np.array([late_s]))
     assert factor.error(values) == pytest.approx(0.0, abs=1e-12)
-    x, v, _ = keys(0)
+    x, _, _ = keys(0)
     # Off the measurement, in the range where the kernel is quadratic.
     moved = gtsam.Values(values)
-    moved.update(v, state().v_map_imu + [0.0, 0.05, 0.0])
     moved.update(CLOCK, np.array([late_s + 0.002]))
     linear = factor.linearize(moved)
     A, b = linear.getA().copy(), linear.getb().copy()
     step = 1e-6
-    for i, key in enumerate([*[x] * 6, *[v] * 3, CLOCK]):
+    for i, key in enumerate([*[x] * 6, CLOCK]):
         delta = gtsam.VectorValues()
-        size = {x: 6, v: 3, CLOCK: 1}[key]
-        delta.insert(key, step * np.eye(size)[i - {x: 0, v: 6, CLOCK: 9}[key]])
+        size = {x: 6, CLOCK: 1}[key]
+        delta.insert(key, step * np.eye(size)[i - {x: 0, CLOCK: 6}[key]])
         linear = factor.linearize(moved.retract(delta))
         after = linear.getb().copy()
         assert (b - after) / step == pytest.approx(A[:, i], abs=2e-3)
+
+
+def test_the_time_by_which_a_stamp_was_corrected_is_no_error_of_the_clock() -> None:
+    where = state().p_map_imu + state().R_map_imu @ ARM
+    fix = Fix(0.0, "left", ARM, where, 4e-4 * np.eye(3), late_s=0.08)
+    factor = late_fix_factor(0, CLOCK, fix, SPEED)
+    for late_s, is_right in ((0.08, True), (0.0, False)):
+        values = gtsam.Values()
+        insert(values, 0, state())
+        values.insert(CLOCK, np.array([late_s]))
+        assert (factor.error(values) < 1e-12) == is_right
 
 
 @pytest.mark.parametrize("make", [fix_factor, lambda node, fix: _late(node, fix)])
@@ -117,7 +127,7 @@ def test_a_fix_far_off_pulls_with_a_bounded_force(make) -> None:
 
 
 def _late(node: int, fix: Fix) -> gtsam.NonlinearFactor:
-    return shifted_fix_factor(node, CLOCK, fix, RATE)
+    return late_fix_factor(node, CLOCK, fix, SPEED)
 
 
 def test_a_lidar_pose_is_wrong_by_its_rotation_and_translation_in_imu_axes() -> None:
