@@ -59,7 +59,8 @@ def use_fix(
         innovations: The newest ones of the antenna, shape (1,), dtype `INNOVATIONS`.
         arm: The antenna in IMU axes [m], shape (3,).
         p_map_antenna: As measured [m], shape (3,).
-        covariance: Of that position [m²], shape (3, 3).
+        covariance: Of that position [m²], shape (3, 3); what a linear correction leaves out is
+            added to it, see `bent_innovation`.
         late_s: By how much its stamp was thought to be late when it was queued [s].
         holds_clock: Whether the clock is left as it is.
 

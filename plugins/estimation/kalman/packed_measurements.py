@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 from executive_plugins.estimation.inertial.measurement_models import write_antenna, write_standstill
+from executive_plugins.estimation.kalman.bent_innovation import add_bend
 from executive_plugins.estimation.kalman.compiled_correction import project_into
 from executive_plugins.estimation.kalman.layout import FILTER_TYPE, Block, matrix
 from executive_plugins.estimation.kalman.packed_correction import (
@@ -37,7 +38,9 @@ def compare_fix(
 ) -> None:
     """Do what `compare` does, for callers in compiled code."""
     _compare_fix(s, arm, p_map_antenna, covariance, late_s)
-    project_into(matrix(s.H, 3, _N + s.companions), joint_covariance(s), matrix(s.predicted, 3, 3))
+    joint = joint_covariance(s)
+    project_into(matrix(s.H, 3, _N + s.companions), joint, matrix(s.predicted, 3, 3))
+    add_bend(s, joint)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

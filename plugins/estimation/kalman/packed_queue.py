@@ -29,7 +29,7 @@ CORRECTION = np.dtype(
         ("antenna", "i8"),  # its place among the innovations
         ("arm", "f8", (3,)),
         ("p", "f8", (3,)),
-        ("covariance", "f8", (3, 3)),
+        ("covariance", "f8", (3, 3)),  # as declared, and scaled; see `use_fix`
         ("late_s", "f8"),
         ("rate_cabin", "f8", (3,)),
         ("sway_m_s", "f8"),

@@ -14,11 +14,11 @@ NOISE = InertialNoise(1e-4, 1e-3, 1e-6, 1e-5, 1e-2, 9.81, 0.01)
 FIX_STD_M = 0.01
 
 
-def lost(position_m: float) -> ErrorStateFilter:
-    """Return a filter whose heading error, 0.07 rad, has drawn the position to one side."""
+def lost(position_m: float, heading_rad: float = 0.07) -> ErrorStateFilter:
+    """Return a filter whose heading error has drawn the position to one side."""
     P = np.diag(np.repeat([1e-6, 1.0, 0.01 * position_m**2 + 1e-4, 1e-8, 1e-6], 3))
     by_heading = np.zeros(15)
-    by_heading[2], by_heading[6], by_heading[7] = 0.07, 0.5 * position_m, position_m
+    by_heading[2], by_heading[6], by_heading[7] = heading_rad, 0.5 * position_m, position_m
     state = InertialState(Inertial(0.0, Z, np.array([0, 0, 9.81]), 0.01), np.eye(3), Z, Z, Z, Z)
     return ErrorStateFilter(state, P + np.outer(by_heading, by_heading), NOISE)
 
@@ -45,7 +45,7 @@ def test_the_state_is_at_a_fix_that_is_metres_off() -> None:
 
 @pytest.mark.parametrize("scale", [1.0, 4.0])
 def test_small_errors_are_corrected_as_by_one_step(scale: float) -> None:
-    fix, gradual, at_once = fix_at(0.02, 0.01), lost(0.03), lost(0.03)
+    fix, gradual, at_once = fix_at(0.02, 0.01), lost(0.02, 0.01), lost(0.02, 0.01)
     correct_gradually(gradual.block, fix, scale, 0.0)
     gradual.forget_object()
     residual, H, by_clock, noise = fix_residual(at_once, fix, 0.0)
