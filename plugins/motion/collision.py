@@ -20,6 +20,8 @@ _THIN = 0.5  # share of a thin body's depth at which a point in it counts as a c
 _CHECK_M = 0.12
 _CHECK = 0.1  # [rad] or [m]
 _NOISE_M = 0.02  # allowance for noise of the ground at the start
+_RAISED = np.zeros((4, 4))
+_RAISED[2, 3] = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,9 @@ class CollisionCheck:
     The chassis is not checked against the surroundings, since it is in contact with them. A body
     may penetrate stones and ground by a tolerance, since maps are noisy and a stone rests on the
     ground. Points that are inside a body in the first posture (`start`) are ignored, since the
-    machine is there already. The jaws may go as much deeper into the ground as they dig.
+    machine is there already. The jaws may go as much deeper into the ground as they dig. With a
+    clearance, a body keeps that distance from all that is above the ground, but for points that are
+    nearer in the first posture.
     """
 
     def __init__(
@@ -46,12 +50,14 @@ class CollisionCheck:
         start: Float,
         jaw_rad: float,
         tolerance_m: float,
+        clearance_m: float = 0.0,
     ) -> None:
         self._machine = machine_check.machine
         self._machine_check = machine_check
         self._obstacles = obstacles
         self._jaw_rad = jaw_rad
-        self._tolerance_m = tolerance_m
+        self._clearance_m = clearance_m
+        self._most_depth_m = -clearance_m if clearance_m > 0.0 else tolerance_m
         self._bodies = [
             body for body in machine_check.bodies if body.link != self._machine.base_link
         ]
@@ -106,7 +112,7 @@ class CollisionCheck:
         first_sunk = int(sunk[0, 0]) if len(sunk) else len(low)
         for k, body, points, depths in self._depths(frames, low[:first_sunk]):
             depth = float(depths[~np.isin(points, self._excused)].max(initial=-np.inf))
-            if depth > min(self._tolerance_m, _THIN * body.thickness_m):
+            if depth > min(self._most_depth_m, _THIN * body.thickness_m):
                 return Hit(k, f"{body.name} with the surroundings ({depth:.2f} m deep)")
         if not len(sunk):
             return None
@@ -114,7 +120,8 @@ class CollisionCheck:
         return Hit(int(k), f"{self._bodies[b].name} with the ground ({sunk_m[k, b]:.2f} m deep)")
 
     def _inside(self, frames: dict[str, Float], low: Bool) -> Int:
-        inside = [points[depths > 0] for _, _, points, depths in self._depths(frames, low)]
+        near_m = -self._clearance_m
+        inside = [points[depths > near_m] for _, _, points, depths in self._depths(frames, low)]
         return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *inside]))
 
     def _depths(
@@ -133,7 +140,7 @@ class CollisionCheck:
                 for k, b in close
             ]
         )
-        radii = np.array([[self._bodies[b].sphere[1]] for _, b in close])
+        radii = np.array([[self._bodies[b].sphere[1] + self._clearance_m] for _, b in close])
         near = self._obstacles.in_box((centres - radii).min(axis=0), (centres + radii).max(axis=0))
         tree = cKDTree(self._obstacles.points[near])
         for (k, b), centre, radius in zip(close.tolist(), centres, radii[:, 0], strict=True):
@@ -156,6 +163,10 @@ class CollisionCheck:
         is_low, sunk_m = np.zeros(shape, dtype=bool), np.full(shape, -np.inf)
         for b, body in enumerate(self._bodies):
             T = frames[body.link]
-            close = self._obstacles.close(T, body.sphere)
+            centre, radius_m = body.sphere
+            close = self._obstacles.close(T, (centre, radius_m + self._clearance_m))
             is_low[close, b], sunk_m[close, b] = self._obstacles.survey(T[close], body.samples)
+            if self._clearance_m > 0.0:
+                lower = T[close] - self._clearance_m * _RAISED
+                is_low[close, b] |= self._obstacles.survey(lower, body.samples)[0]
         return is_low, sunk_m

@@ -119,25 +119,47 @@ class Hermite(MotionPlanner):
     def _free_sweep(
         self, start: Float, angle_rad: float, duration_s: float, around: Around
     ) -> MotionPlan:
-        check = CollisionCheck(
-            self._sweep_check(start, around),
-            self._obstacles(around.obstacles, around.T_map_base),
-            start,
-            around.jaw_rad,
-            self._settings.contact_tolerance,
-        )
+        checks = self._sweep_checks(start, around)
         fold, reason = self._fold(start), ""
         limits = self._loaded(around)
         if around.held_gripper is not None:
             limits = self._held(limits, fold)
+        ways = [(folding_sweep, angle_rad), (folding_sweep, -angle_rad), (sweep, angle_rad)]
         # Unseen ground is not taken for free: on an empty map the arm folds first.
-        for way in (folding_sweep, sweep) if len(around.obstacles.points) else (sweep,):
-            trajectory = way(self._machine, limits, fold, angle_rad, duration_s)
-            hit = check.first_hit_along(trajectory)
-            if hit is None:
+        touching: JointTrajectory | None = None
+        for way, turn_rad in ways if len(around.obstacles.points) else ways[-1:]:
+            trajectory = way(self._machine, limits, fold, turn_rad, duration_s)
+            contact = checks[0].first_hit_along(trajectory)
+            if contact is not None:
+                reason = f"sweeping: collision of {contact[1]} at fraction {contact[0]:.2f}"
+            elif checks[1].first_hit_along(trajectory) is None:
                 return self._planned(trajectory, around.T_map_base)
-            reason = f"sweeping: collision of {hit[1]} at fraction {hit[0]:.2f}"
-        return _refused(reason)
+            elif touching is None:
+                touching = trajectory
+        if touching is None:
+            return _refused(reason)
+        return self._planned(touching, around.T_map_base)
+
+    def _sweep_checks(self, start: Float, around: Around) -> list[CollisionCheck]:
+        """Return the check for contacts, and one that keeps the clearance from the surroundings.
+
+        A sweep is free of contacts. Maps, arms and stones are off by some centimetres, so that one
+        which keeps the clearance as well is taken, if there is one.
+        """
+        machine_check = self._sweep_check(start, around)
+        obstacles = self._obstacles(around.obstacles, around.T_map_base)
+        settings = self._settings
+        return [
+            CollisionCheck(
+                machine_check,
+                obstacles,
+                start,
+                around.jaw_rad,
+                settings.contact_tolerance,
+                clearance_m,
+            )
+            for clearance_m in (0.0, settings.machine_clearance)
+        ]
 
     def _move(self, request: MoveRequest | PostureRequest, obstacles: Obstacles) -> Move:
         settings = self._settings

@@ -46,7 +46,11 @@ class HermiteSettings(PluginSettings):
         description="Depth of map points inside arm or stone that is tolerated [m].",
     )
     machine_clearance: Meters = Field(
-        0.05, ge=0, le=0.5, description="Distance kept between parts of the machine [m]."
+        0.05,
+        ge=0,
+        le=0.5,
+        description="Distance kept between parts of the machine, and by sweeps from what stands "
+        "around, where they can [m].",
     )
     least_arrival: float = Field(
         0.5, gt=0, le=1, description="Least share of the straight arrival that must be in reach."

@@ -40,7 +40,7 @@ def folding_sweep(
 
     The arm is folded from +angle/2 on, so that all directions are seen past the folded arm. The
     whole motion takes the given duration, or longer where the limits require it. Arguments as for
-    `sweep`.
+    `sweep`; a negative angle turns to the other side first.
     """
     return _sweeping(machine, limits, fold, angle_rad, duration_s)
 
@@ -75,7 +75,8 @@ def _sweeping(
         nodes = [*(postures + shares * ends[0] * turn), fold[-1] + ends[1] * turn, fold[-1]]
         whole = _through(machine, limits, nodes)
         reached = whole.position[:, joint]
-        ends = ends + wanted - [reached.max(), reached.min()]
+        far = [reached.max(), reached.min()]
+        ends = ends + wanted - (far if angle_rad > 0.0 else far[::-1])
     return whole.slowed(max(1.0, duration_s / whole.duration_s))
 
 

@@ -2,8 +2,12 @@
 checks.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from executive_plugins.motion.collision import CollisionCheck
+from executive_plugins.motion.obstacles import Obstacles
 
 from executive.arrays import Float
 from executive.errors import ShapeError
@@ -367,14 +371,66 @@ def test_a_held_stone_is_swept_along(make_planner) -> None:
     assert refused.reason.startswith("sweeping: collision of held_stone with the surroundings")
 
 
-def test_a_sweep_folds_first_where_the_arm_would_hit_a_stone_beside_it(make_planner) -> None:
+def extended(make_planner) -> Float:
     machine, planner = load_machine("m545"), make_planner("m545")
-    start = planner.reach(at_carry(machine, 5.5, 0.0, 0.3), machine.posture("carry"))
-    beside = boulder(5.2, 2.3, 0.9)
+    return planner.reach(at_carry(machine, 5.5, 0.0, 0.3), machine.posture("carry"))
+
+
+def test_a_sweep_turns_away_first_from_a_stone_that_the_arm_would_hit(make_planner) -> None:
+    start, turn = extended(make_planner), load_machine("m545").arm_names.index("J_TURN")
+    first = []
+    for side in (1.0, -1.0):
+        plan = sweep_at(make_planner, start, boulder(5.2, side * 2.3, 0.9))
+        assert plan.trajectory is not None, plan.reason
+        turns = plan.trajectory.position[:, turn] - start[turn]
+        assert (turns.max(), turns.min()) == pytest.approx((0.7, -0.7), abs=1e-5)
+        first.append(turns[np.argmax(np.abs(turns) > 0.3)])
+    assert first[0] < 0 < first[1]
+
+
+def test_a_sweep_folds_first_between_stones_that_the_arm_would_hit(make_planner) -> None:
+    start = extended(make_planner)
+    beside = np.vstack([boulder(5.2, 2.3, 0.9), boulder(5.2, -2.3, 0.9)])
     free, avoided = sweep_at(make_planner, start), sweep_at(make_planner, start, beside)
     assert free.trajectory is not None, free.reason
     assert avoided.trajectory is not None, avoided.reason
     assert avoided.trajectory.duration_s > free.trajectory.duration_s + 1.0
+
+
+def test_a_sweep_that_would_graze_a_stone_keeps_the_clearance_from_it(make_planner) -> None:
+    """Radii are tried at which the sweep has no contact yet, and is too near: it turns away."""
+    start, turn = extended(make_planner), load_machine("m545").arm_names.index("J_TURN")
+    sides = []
+    for radius_m in np.arange(0.5, 0.9, 0.02):
+        plan = sweep_at(make_planner, start, boulder(5.2, 2.3, radius_m))
+        contact = CollisionCheck(
+            make_planner("m545")._machine_check,
+            Obstacles(level_ground(load_machine("m545"), boulder(5.2, 2.3, radius_m)).points, 11.0),
+            start, 0.9, 0.05,
+        )  # fmt: skip
+        usual = sweep_at(make_planner, start)
+        assert plan.trajectory is not None
+        assert usual.trajectory is not None
+        turns = plan.trajectory.position[:, turn] - start[turn]
+        turned_away = turns[np.argmax(np.abs(turns) > 0.3)] < 0
+        sides.append((turned_away, contact.first_hit_along(usual.trajectory) is not None))
+    assert (False, False) in sides  # far away
+    assert (True, False) in sides  # no contact, and too near
+    assert (False, True) not in sides
+
+
+def test_a_sweep_without_a_way_that_keeps_the_clearance_takes_one_without_contact(
+    make_planner, monkeypatch
+) -> None:
+    planner, start = make_planner("m545"), extended(make_planner)
+    usual = sweep_at(make_planner, start)
+    too_near = SimpleNamespace(first_hit_along=lambda trajectory: (0.5, "anything"))
+    real = planner._sweep_checks
+    monkeypatch.setattr(planner, "_sweep_checks", lambda *given: [real(*given)[0], too_near])
+    plan = sweep_at(make_planner, start)
+    assert plan.trajectory is not None
+    assert usual.trajectory is not None
+    np.testing.assert_array_equal(plan.trajectory.position, usual.trajectory.position)
 
 
 @pytest.mark.parametrize(
