@@ -15,6 +15,7 @@ RELEASE_RAD = 0.12
 ROOM_M = 0.05
 _APART_M = 0.05  # of points on the jaws: a cell of the height maps
 _STEP_RAD = 0.02  # 4 cm at the tips of the M545's gripper
+_OPENING_RAD = 0.05  # step at which opening jaws are compared: the room and half of it at the tips
 
 
 def angle_free_of(
@@ -112,6 +113,22 @@ def angle_beside(
         if not _nears(gripper, others_gripper, float(angle_rad), room_m):
             return float(angle_rad)
     return least_rad
+
+
+def can_open(
+    gripper: Gripper, others_gripper: Float, from_rad: float, to_rad: float, room_m: float
+) -> bool:
+    """Return whether no jaw nears stones while it opens.
+
+    Args:
+        gripper: The gripper.
+        others_gripper: Surfaces of the stones in the gripper's frame [m], shape (N, 3).
+        from_rad: The angle now.
+        to_rad: The angle up to which the jaws open.
+        room_m: Room between the jaws and the stones [m].
+    """
+    angles_rad = np.append(np.arange(from_rad, to_rad, _OPENING_RAD), to_rad)
+    return not any(_nears(gripper, others_gripper, float(one), room_m) for one in angles_rad)
 
 
 def _nears(gripper: Gripper, points: Float, angle_rad: float, room_m: float) -> bool:

@@ -9,6 +9,7 @@ from executive.machine.jaw_clearance import (
     RELEASE_RAD,
     angle_beside,
     angle_free_of,
+    can_open,
     release_angles,
     released_jaws,
 )
@@ -121,3 +122,17 @@ def test_jaws_that_let_a_stone_go_surround_it(gripper: Gripper) -> None:
     assert np.abs(beside[:, 1]).min() > 0.45
     assert points[:, 0].min() < 0.0  # the palm
     assert np.ptp(points[:, 2]) == pytest.approx(gripper.jaw_width_m, abs=0.05)
+
+
+def test_jaws_open_where_no_stone_is_on_their_way(gripper: Gripper) -> None:
+    nothing = np.zeros((0, 3))
+    assert can_open(gripper, nothing, 0.3, gripper.open_rad, ROOM_M)
+    far = bar(3.0, 0.5, -0.5)
+    assert can_open(gripper, far, 0.3, gripper.open_rad, ROOM_M)
+
+
+def test_a_stone_at_the_end_or_halfway_of_the_opening_is_in_the_way(gripper: Gripper) -> None:
+    for at_rad in (gripper.open_rad, (0.3 + gripper.open_rad) / 2):
+        tip = gripper.tips(at_rad).max(axis=0)
+        stone = tip + np.random.default_rng(0).uniform(-0.03, 0.03, (50, 3))
+        assert not can_open(gripper, stone, 0.3, gripper.open_rad, ROOM_M)
