@@ -11,6 +11,7 @@ from executive.behaviours.open_gripper import OpenGripper
 from executive.behaviours.plan_grasp import PlanGrasp
 from executive.behaviours.plan_pick import PlanPick
 from executive.behaviours.plan_retreat import PlanRetreat
+from executive.behaviours.wait_for_room import WaitForRoom
 from executive.events.stone import AttemptStarted, GraspsPlanned, JawsClosedOnNothing, StoneGrasped
 from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy
@@ -119,6 +120,22 @@ def test_jaws_that_do_not_open_are_a_failure(world):
     ended = world.tick(OpenGripper)
     assert ended.status == "FAILURE"
     assert "the jaws stopped at 0.20 rad" in ended.reason
+
+
+def test_jaws_wait_beside_a_stone_as_long_as_they_may(world, database):
+    gripper, point = world.leaf_context.machine().gripper, database.stones()[0].points_map[0]
+    T = pose(from_rpy(0.0, np.pi / 2, 0.0))
+    T[:3, 3] = point - T[:3, :3] @ gripper.tips(gripper.open_rad)[0]
+    world.leaf_context.gripper = lambda: T
+    ended = world.tick(WaitForRoom, settings={"most": 0.2})
+    assert ended.status == "SUCCESS"
+    assert ended.reason.startswith("no room for open jaws after 0.2")
+
+
+def test_jaws_far_from_all_stones_do_not_wait(world):
+    world.leaf_context.gripper = lambda: pose(t=np.array([50.0, 0.0, 9.0]))
+    ended = world.tick(WaitForRoom)
+    assert (ended.status, ended.reason) == ("SUCCESS", "")
 
 
 def test_a_trajectory_is_followed_to_its_end(world):

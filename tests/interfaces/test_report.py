@@ -118,6 +118,7 @@ WHOLE: dict[str, Any] = {
                     "reason": "",
                     "started_s": 10.0,
                     "ended_s": 60.0,
+                    "success": 0.87,
                 }
             ],
             "placed": True,
@@ -283,7 +284,7 @@ def places(value: object, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations", "causes")
 OPTIONAL = {
     "refused_observations", "missing_samples", "scans_not_fused", "stale_states", "faults",
-    "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes", "datum",
+    "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes", "datum", "success",
 }  # fmt: skip
 NEEDED = [
     at
