@@ -7,8 +7,13 @@ from enum import StrEnum
 import numpy as np
 
 from executive.arrays import Float
+from executive.machine.gravity import GRAVITY_M_S2
 
 _HALF = 0.5  # of the weight, or of the force: nearer to all of it than to nothing
+# Of the weight of a stone that only the jaws can carry. A stone that slides out of them hangs on
+# their friction: with less than this share it is 0.3 m on, and lost, within half a second (from
+# s = (1 − w) g t² / 2).
+_BORNE = 1 - 2 * 0.3 / (GRAVITY_M_S2 * 0.5**2)
 _NOTHING = 0.2  # share of the force below which the jaws bear on nothing
 # Slips. A stone that seats itself in a lift has forced jaws apart by less than two; once it hangs,
 # nothing but a stone that slides or turns does.
@@ -64,6 +69,7 @@ class Signals:
         widened: Opening of the jaws as a share of the same.
         may_stand: Whether the gripper has sunk or presses, so that the ground may carry the stone.
         has_settled: Whether the stone was found to hang, or has had the time to settle in the jaws.
+        has_slipped: Whether it has slipped since, so that the ground may carry any part of it.
     """
 
     weight: Signal
@@ -72,6 +78,7 @@ class Signals:
     widened: Signal
     may_stand: bool
     has_settled: bool = False
+    has_slipped: bool = False
 
 
 class GripFilter:
@@ -101,7 +108,10 @@ class GripFilter:
 def _chi2(s: Signals) -> dict[GripState, float]:
     """Return the squared distance of the signals from the region of each state."""
     inf = np.inf
-    carried, gone = s.weight.off(_HALF, inf), s.weight.off(-inf, _HALF)
+    # A stone that was not found to hang may stand, though the gripper has not sunk.
+    may_stand = s.may_stand or not s.has_settled
+    borne = _HALF if may_stand or s.has_slipped else _BORNE
+    carried, gone = s.weight.off(borne, inf), s.weight.off(-inf, borne)
     hanging = s.weight.off(_PRESSED, inf)
     pressed = inf if s.weight.is_unknown else s.weight.off(-inf, _PRESSED)
     unmoved, narrow = s.closed.off(-inf, 1.0), s.closed.off(1.0, inf)
@@ -112,8 +122,6 @@ def _chi2(s: Signals) -> dict[GripState, float]:
     bears = s.force.off(_NOTHING, inf) + together
     weak = min(s.force.off(-inf, _HALF), s.widened.off(widest, inf))
     slack = min(s.force.off(-inf, _NOTHING), apart)
-    # A stone that was not found to hang may stand, though the gripper has not sunk.
-    may_stand = s.may_stand or not s.has_settled
     standing = 0.0 if may_stand else _UNSUNK
     # Jaws press on for some tenths of a second on a stone that slides out of them: their force
     # tells a fall from a stone that stands only where it may stand.

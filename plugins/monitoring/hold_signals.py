@@ -75,6 +75,7 @@ class HoldSignals:
         self._force = 0.0  # largest mean so far
         self._sank_s = -np.inf
         self.below: GroundBelow | None = None  # what may carry the stone, where that is known
+        self.has_slipped = False  # a slip was reported
 
     @property
     def weight(self) -> Weight | None:
@@ -131,6 +132,7 @@ class HoldSignals:
             widened,
             self._may_stand(window, weight),
             self._jaws.has_settled,
+            self.has_slipped,
         )
         return HoldWindow(signals, mass_kg, opening_m, self._jaws.held_m)
 

@@ -35,7 +35,6 @@ class _Hold:
     state: GripState = GripState.FIRM  # the likeliest trouble
     windows: int = 0  # for how many windows some trouble is sure
     standing: float = 0.0  # probability that the ground carries the stone
-    has_slipped: bool = False  # a slip was reported; only a fall may follow
 
 
 class HoldState(Monitor):
@@ -92,14 +91,14 @@ class HoldState(Monitor):
         window = None if hold is None else hold.signals.add(sample)
         if hold is None or window is None:
             return None
-        if not hold.has_slipped:  # later, the ground may carry any part of it
+        if not hold.signals.has_slipped:  # later, the ground may carry any part of it
             self._weight = hold.signals.weight or self._weight
         likely = hold.grip.update(window.signals)
         hold.standing = sum(likely[one] for one in _STANDING)
         trouble = self._trouble(hold, window, likely)
-        if trouble is None or (trouble is Trouble.SLIP and hold.has_slipped):
+        if trouble is None or (trouble is Trouble.SLIP and hold.signals.has_slipped):
             return None
-        hold.has_slipped = True
+        hold.signals.has_slipped = True  # only a fall may follow
         if trouble is not Trouble.SLIP:
             self._hold = None
         if trouble not in self.told and window.opening_m >= self._settings.empty:

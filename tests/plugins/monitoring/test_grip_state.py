@@ -19,8 +19,9 @@ def signals(
     widened: Signal = STEADY,
     may_stand: bool = False,
     has_settled: bool = False,
+    has_slipped: bool = False,
 ) -> Signals:
-    return Signals(weight, force, closed, widened, may_stand, has_settled)
+    return Signals(weight, force, closed, widened, may_stand, has_settled, has_slipped)
 
 
 def likeliest(seen: Signals, windows: int = 4) -> GripState:
@@ -88,6 +89,12 @@ def test_the_likelihood_of_a_state_is_that_of_the_nearest_point_of_its_region(
         # A stone that hung, and that the gripper has not sunk with, has left the jaws.
         (signals(GONE, has_settled=True), GripState.LOST),
         (signals(GONE, may_stand=True, has_settled=True), GripState.TOUCHING_GROUND),
+        # One that slides out of still jaws hangs on their friction: two thirds are no whole weight,
+        # but where the ground may carry the rest.
+        (signals(Signal(0.66, 0.03), has_settled=True), GripState.LOST),
+        (signals(Signal(0.85, 0.03), has_settled=True), GripState.FIRM),
+        (signals(Signal(0.66, 0.03), has_settled=True, has_slipped=True), GripState.FIRM),
+        (signals(Signal(0.66, 0.03), may_stand=True, has_settled=True), GripState.FIRM),
         # An arm that is pushed up by more than the stone weighs stands on something.
         (signals(Signal(-0.8, 0.02), GONE), GripState.LOST),
         (signals(Signal(-1.3, 0.02), GONE), GripState.TOUCHING_GROUND),
