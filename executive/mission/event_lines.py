@@ -54,7 +54,7 @@ def _of_driving(event: Event) -> str:
     return ""
 
 
-def _hanging(event: stone.StoneNotLifted) -> str:
+def hanging(event: stone.StoneNotLifted) -> str:
     """Return how much of a stone hangs in the jaws."""
     told = f"{event.hanging_kg:.0f} of at least {event.least_kg:.0f} kg hang in the jaws"
     return told if event.higher_kg is None else f"{told}, {event.higher_kg:.0f} kg higher up"
@@ -75,7 +75,7 @@ def _of_stone(event: Event) -> str:
         case stone.JawsClosedOnNothing():
             return f"stone {event.stone}: {event.reason}"
         case stone.StoneNotLifted():
-            return f"stone {event.stone}: not lifted, {_hanging(event)}"
+            return f"stone {event.stone}: not lifted, {hanging(event)}"
         case stone.StoneTouchedDown():
             return f"stone {event.stone}: stands, {event.above_m:+.2f} m from the planned height"
         case stone.StoneReleased():

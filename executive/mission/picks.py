@@ -12,6 +12,7 @@ from executive.events.stone import (
     JawsClosedOnNothing,
     PlacementVerified,
     StoneLost,
+    StoneNotLifted,
     StoneRealigned,
     StoneReleased,
     StoneSetAside,
@@ -21,8 +22,10 @@ from executive.events.stone import (
 from executive.interfaces.oracle import Attempt
 from executive.interfaces.report import AttemptReport, PickReport
 from executive.messages.verdict import Trouble
+from executive.mission.event_lines import hanging
 
 _UNFINISHED, _PLACED, _RELEASED = "unfinished", "placed", "released, not verified"
+NOT_LIFTED = "not lifted"
 
 
 @dataclass(slots=True)
@@ -144,6 +147,8 @@ class Picks:
                 self._pick_of(event.stone).tries.append(self._current)
             case JawsClosedOnNothing():
                 self._end(time_s, "empty", event.reason)
+            case StoneNotLifted():
+                self._end(time_s, NOT_LIFTED, hanging(event))
             case VerdictGiven():
                 self._take_verdict(time_s, event)
             case StoneReleased():

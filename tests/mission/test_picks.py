@@ -14,6 +14,7 @@ from executive.events.stone import (
     PlacementVerified,
     StoneGrasped,
     StoneLost,
+    StoneNotLifted,
     StoneRealigned,
     StoneReleased,
     StoneSetAside,
@@ -100,6 +101,15 @@ def test_a_slip_that_ends_in_a_fall_is_one_fall():
     (pick,) = account.picks()
     assert (pick.tries[0].outcome, pick.tries[0].reason) == ("drop", "gone")
     assert (account.counts().drops, account.counts().slips) == (1, 0)
+
+
+def test_a_trial_lift_that_found_no_hanging_stone_is_how_an_attempt_ended():
+    """What comes of it as it is let down again, such as a fall, follows from that."""
+    refused, fall = StoneNotLifted(1, 0.2, 900.0, 1400.0), verdict(Trouble.DROP, "gone")
+    story = journal_of((10, attempt(1)), (20, grasped(1)), (25, refused), (27, fall))
+    ((only,),) = (pick.as_report().attempts for pick in Account.of(story).picks())
+    assert (only.outcome, only.ended_s) == ("not lifted", 27)
+    assert only.reason == "900 of at least 1400 kg hang in the jaws"
 
 
 def test_a_slip_of_the_next_attempt_is_another_one():

@@ -353,6 +353,18 @@ def test_no_attempt_is_lifted_or_held_where_none_was_made() -> None:
     assert measured("held", one, ()) is None
 
 
+@pytest.mark.parametrize(
+    ("outcome", "missed"),
+    [("drop", 0), ("slip", 0), ("not lifted", 0), ("placed", 1), ("unfinished", 1)],
+)
+def test_a_fall_is_missed_unless_its_attempt_ended_for_it(outcome: str, missed: int) -> None:
+    """A stone that falls in its trial lift is told as one that does not hang."""
+    fallen = with_truth(grasps=(grasp(lifted=True, dropped=True),))
+    one = replace(fallen, picks=(pick(1, attempt(10.0, 12.0, outcome), placed=False),))
+    assert measured("drops_missed", one, ()) == Values((missed,))
+    assert measured("drops_found", one, ()) == Share(1 - missed, 1)
+
+
 def test_a_survey_that_is_never_registered_has_no_time() -> None:
     assert measured("registration_time", REPORT, EVENTS[:6]) == Values(())
     refused = replace(REPORT, counts=replace(COUNTS, registrations_accepted=0))

@@ -6,8 +6,10 @@ from executive.campaign.figures.metrics.report import attempts
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
 from executive.interfaces.truth import TrueGrasp
 from executive.messages.verdict import Trouble
+from executive.mission.picks import NOT_LIFTED
 
-_NOTICED = (Trouble.DROP, Trouble.SLIP)  # either ends the attempt and saves what can be saved
+# Each ends the attempt; a stone that falls in its trial lift is told as one that does not hang.
+_NOTICED = (Trouble.DROP, Trouble.SLIP, NOT_LIFTED)
 
 
 class Lifted(Metric):
@@ -43,8 +45,8 @@ class DropsFound(Metric):
     title = "drops found"
     is_share = True
     description = (
-        "Attempts that the mission ended with the outcome `drop` or `slip`, out of those whose"
-        " stone fell by the simulator's truth."
+        "Attempts that the mission ended with the outcome `drop`, `slip` or `not lifted`, out of"
+        " those whose stone fell by the simulator's truth."
     )
 
     def measure(self, run: RunRecord) -> Share | None:
@@ -62,7 +64,7 @@ class DropsMissed(Metric):
     is_more_better = False
     description = (
         "Number of attempts in a run whose stone fell by the simulator's truth, and which the"
-        " mission ended with another outcome than `drop` or `slip`."
+        " mission ended with another outcome than `drop`, `slip` or `not lifted`."
     )
 
     def measure(self, run: RunRecord) -> Values | None:

@@ -19,6 +19,7 @@ from executive.campaign.reporting.journal_line import leaf_name
 from executive.events.node import NodeEnded, NodeStarted
 from executive.interfaces.report import PickReport
 from executive.journal import Entry
+from executive.mission.picks import NOT_LIFTED
 
 _UNFINISHED = "unfinished"
 _COLOURS = {
@@ -28,7 +29,7 @@ _COLOURS = {
     "slip": BAD,
     "drop": BAD,
     "empty": TAIL,
-    "failed": BAD,
+    NOT_LIFTED: TAIL,
     "halted": SOFT,
     _UNFINISHED: SOFT,
 }
