@@ -67,6 +67,7 @@ class Signals:
         force: Force of the jaws as a share of that at the grasp.
         closed: Closing of the jaws as a share of what counts as slip.
         widened: Opening of the jaws as a share of the same.
+        forced: Opening within a moment, the largest of late, as a share of half of the same.
         may_stand: Whether the gripper has sunk or presses, so that the ground may carry the stone.
         has_settled: Whether the stone was found to hang, or has had the time to settle in the jaws.
         has_slipped: Whether it has slipped since, so that the ground may carry any part of it.
@@ -76,6 +77,7 @@ class Signals:
     force: Signal
     closed: Signal
     widened: Signal
+    forced: Signal
     may_stand: bool
     has_settled: bool = False
     has_slipped: bool = False
@@ -118,16 +120,20 @@ def _chi2(s: Signals) -> dict[GripState, float]:
     held, slid = s.closed.off(-inf, APART), s.closed.off(APART, inf)
     together, apart = s.widened.off(-inf, APART), s.widened.off(APART, inf)
     widest = _APART_HANGING if s.has_settled else APART
-    pressing = s.force.off(_HALF, inf) + s.widened.off(-inf, widest)
+    # What comes down on the ground may force jaws apart at once, too.
+    forced = inf if may_stand else s.forced.off(1.0, inf)
+    calm = 0.0 if may_stand else s.forced.off(-inf, 1.0)
+    pressing = s.force.off(_HALF, inf) + s.widened.off(-inf, widest) + calm
     bears = s.force.off(_NOTHING, inf) + together
-    weak = min(s.force.off(-inf, _HALF), s.widened.off(widest, inf))
+    wide = min(s.widened.off(widest, inf), forced)
+    weak = min(s.force.off(-inf, _HALF), wide)
     slack = min(s.force.off(-inf, _NOTHING), apart)
     standing = 0.0 if may_stand else _UNSUNK
     # Jaws press on for some tenths of a second on a stone that slides out of them: their force
     # tells a fall from a stone that stands only where it may stand.
     fallen = gone + (slack if may_stand else 0.0)
     if s.force.is_unknown:  # then the jaws' motion, and whether the gripper has sunk, have to tell
-        weak = s.widened.off(widest, inf)
+        weak = wide
         slack = min(narrow, apart) if s.may_stand else 0.0
         standing = 0.0 if s.may_stand else inf
         fallen = gone + slack

@@ -122,14 +122,14 @@ class HoldSignals:
             self._scale.shaken_share(self._q, acceleration),
             self._scale.lever_share(self._q),
         )  # fmt: skip
-        closed, widened = self._jaws.take(
-            now_s, opening_m, self._opening_std_m / root * np.sqrt(2), bool(is_moving.any())
-        )
+        std_m = self._opening_std_m / root * np.sqrt(2)  # of a difference of two openings
+        closed, widened = self._jaws.take(now_s, opening_m, std_m, bool(is_moving.any()))
         signals = Signals(
             weight,
             self._pressing(window),
             closed,
             widened,
+            self._jaws.forced(std_m),
             self._may_stand(window, weight),
             self._jaws.has_settled,
             self.has_slipped,

@@ -6,6 +6,8 @@ import numpy as np
 from executive_plugins.monitoring.grip_state import Signal
 from executive_plugins.monitoring.settings import HoldStateSettings
 
+_QUICK, _QUICK_S = 0.5, 0.25  # share of a slip, and the time in which that is no creep
+
 
 class JawMotion:
     """Compares the opening of the jaws with that of some seconds ago and of the start of the hold.
@@ -23,6 +25,19 @@ class JawMotion:
         self._first_m: float | None = None  # at the start, taken again once the stone has settled
         self._settled_s = np.inf  # time at which the stone will have settled in the lift
         self.has_settled = False
+
+    def forced(self, std_m: float) -> Signal:
+        """Return the largest quick opening in the settings' window as a share of half of a slip.
+
+        A settled stone opens the jaws by less than 1 mm in that time (29 carries); one that slides
+        by jerks forces them apart by half of a slip and more, and may rest in between.
+        """
+        limit_m = _QUICK * self._settings.slip
+        openings, widest_m = tuple(self._openings), 0.0
+        for i, (now_s, opening_m) in enumerate(openings):
+            recent = (o for t, o in openings[:i] if now_s - t < _QUICK_S)
+            widest_m = max(widest_m, opening_m - min(recent, default=opening_m))
+        return Signal(widest_m / limit_m, std_m / limit_m)
 
     @property
     def held_m(self) -> float:

@@ -17,11 +17,12 @@ def signals(
     force: Signal = HELD,
     closed: Signal = STEADY,
     widened: Signal = STEADY,
+    forced: Signal = STEADY,
     may_stand: bool = False,
     has_settled: bool = False,
     has_slipped: bool = False,
 ) -> Signals:
-    return Signals(weight, force, closed, widened, may_stand, has_settled, has_slipped)
+    return Signals(weight, force, closed, widened, forced, may_stand, has_settled, has_slipped)
 
 
 def likeliest(seen: Signals, windows: int = 4) -> GripState:
@@ -76,6 +77,10 @@ def test_the_likelihood_of_a_state_is_that_of_the_nearest_point_of_its_region(
         (signals(GONE, GONE), GripState.LOST),
         # Once it hangs, only a stone that slides or turns forces the jaws apart.
         (signals(widened=Signal(3.0, 0.1), has_settled=True), GripState.OPENING),
+        # So does one that slides by jerks, and rests in between; what comes down may, too.
+        (signals(forced=Signal(1.2, 0.05), has_settled=True), GripState.OPENING),
+        (signals(forced=Signal(0.8, 0.05), has_settled=True), GripState.FIRM),
+        (signals(forced=Signal(1.2, 0.05), may_stand=True, has_settled=True), GripState.FIRM),
         # Jaws that shake on a stone that slides are no jaws that have lost it.
         (
             signals(closed=Signal(1.5, 0.1), widened=Signal(2.0, 0.1), has_settled=True),

@@ -11,6 +11,7 @@ from executive.machine.machine import Machine
 from executive.messages.verdict import Trouble
 from tests.plugins.monitoring.carries import (
     FAULT_S,
+    HELD_RAD,
     Carry,
     only,
 )
@@ -52,6 +53,21 @@ def test_tells_a_loss_of_pressure_while_the_stone_is_still_held_as_a_slip(watch)
     assert verdict.trouble is Trouble.SLIP
     assert verdict.stamp_s <= FAULT_S + 0.5
     assert "pressing with 30% of the force" in verdict.detail
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("within_s", "is_told"), [(0.15, True), (3.0, False)])
+def test_tells_a_stone_that_forces_the_jaws_apart_at_once_and_rests(
+    watch, machine: Machine, seed: int, within_s: float, is_told: bool
+) -> None:
+    """It slides by jerks. One whose jaws open as far in seconds has shifted as it was swung."""
+    hold = machine.gripper
+    wider_rad = hold.jaw_rad(hold.opening_m(HELD_RAD) + 0.01) - HELD_RAD
+    carry = Carry()
+    carry.jaw += wider_rad * carry.after(FAULT_S, within_s)
+    told = watch(carry, seed)[0]
+    assert [one.trouble for one in told] == [Trouble.SLIP] * is_told
+    assert all(FAULT_S < one.stamp_s <= FAULT_S + 0.5 for one in told)
 
 
 def test_a_stone_that_falls_while_the_jaws_snap_shut_is_one_event(watch) -> None:

@@ -84,3 +84,22 @@ def test_opening_is_a_share_of_the_slip_from_the_narrowest_of_the_window() -> No
     assert closed.value == 0.0
     _, widened = motion.take(4.1, HELD_M + 0.02, 0.002, is_moving=True)
     assert widened.value == 0.0
+
+
+@pytest.mark.parametrize(("within_s", "forced"), [(0.2, 0.8), (0.4, 0.4)])
+def test_what_forces_jaws_apart_at_once_is_no_creep(within_s: float, forced: float) -> None:
+    """Both open by 8 mm, of which half of a slip is 10; the slow one by half of that at a time."""
+    motion = settled()
+    for share in (0.0, 0.5, 1.0):
+        motion.take(2.0 + share * within_s, HELD_M + 0.008 * share, 0.001, is_moving=True)
+    told = motion.forced(0.001)
+    assert (told.value, told.std) == pytest.approx((forced, 0.1))
+
+
+def test_jaws_that_were_forced_apart_are_so_until_the_window_has_passed() -> None:
+    motion = settled()
+    motion.take(1.1, HELD_M + 0.012, 0.001, is_moving=True)
+    motion.take(2.0, HELD_M, 0.001, is_moving=True)
+    assert motion.forced(0.001).value == pytest.approx(1.2)
+    motion.take(3.2, HELD_M, 0.001, is_moving=True)
+    assert motion.forced(0.001).value == 0.0
