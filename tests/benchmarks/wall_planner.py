@@ -6,9 +6,9 @@ and 10° of its plan. Any legal drop is a stone in any rotation, let down at any
 touches others first and is in the envelope, onto the same wall as it stood at times, without a
 score, a support below the centre of mass, or a check.
 
-With `--as-known` the stones are 20 scans as they lie, and the planner is that of `build_wall` and
-knows what a mission does: hulls, with room, and where the last look saw those that stand. Twelve
-are asked for then, 90 % of them right.
+With `--as-known` the stones are 20 scans (`--scans`) as they lie, and the planner is that of
+`build_wall` and knows what a mission does: hulls, with room, and where the last look saw those
+that stand. Twelve are asked for then, 90 % of them right.
 """
 
 import json
@@ -37,6 +37,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--budget", type=float, default=25.0, help="processor time a plan [s]")
     parser.add_argument("--jobs", type=count, default=2, help="walls that are built at a time")
     parser.add_argument("--as-known", action="store_true", help="with what a mission knows")
+    parser.add_argument("--scans", type=count, default=20, help="scans with --as-known")
     parser.add_argument("--without-judge", action="store_true", help="fill and joints alone")
     parser.add_argument("--keep", type=Path, default=None, help="folder for a JSON file a seed")
     given = parser.parse_args(words)
@@ -48,7 +49,7 @@ def main(words: Sequence[str] | None = None) -> int:
     with refused(parser):
         jobs = [
             Job(seed, given.stones, given.most, given.drops, given.budget,
-                not given.without_judge, given.keep, given.as_known)
+                not given.without_judge, given.keep, given.scans if given.as_known else None)
             for seed in range(given.first, given.first + given.seeds)
         ]  # fmt: skip
         with ProcessPoolExecutor(given.jobs) as pool:

@@ -38,12 +38,11 @@ ON_STONES_M = 0.10  # least height above the ground of a stone that lies on othe
 _DRAWN = 200  # stones and rotations that are drawn for one legal drop
 ENOUGH, ENOUGH_KNOWN, IN_SEEDS = 17, 12, 0.8  # stones, in this share of the seeds
 RIGHT, RIGHT_KNOWN = 0.95, 0.90
-SCANS_KNOWN = 20
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What one seed is given."""
+    """What one seed is given; `scans_as_known` stones are known as in a mission, or all of each."""
 
     seed: int
     folder: Path
@@ -52,7 +51,7 @@ class Job:
     budget_s: float
     is_judged: bool
     keep: Path | None
-    as_known: bool = False
+    scans_as_known: int | None = None
 
 
 class AnyLegalDrop(StructurePlanner):
@@ -100,15 +99,15 @@ def wall(job: Job) -> dict[str, Any]:
     """Build the wall of a seed, and return its figures."""
     rng = np.random.default_rng(job.seed)
     planner: StructurePlanner = DryStone(DryStoneSettings())
-    if job.as_known:
-        drawn = inventory(job.folder, rng, SCANS_KNOWN, 0)
+    if job.scans_as_known is not None:
+        drawn = inventory(job.folder, rng, job.scans_as_known, 0)
         stones = tuple(as_it_lies(one, rng) for one in drawn)
         planner = KnownStonesPlanner(stones, rng)
     else:
         stones = inventory(job.folder, rng)
     rules = TrialRules(NOISE, job.most, job.budget_s)
     trial = build(bare(), stones, planner, RigidStones(), rules, rng)
-    told = {"seed": job.seed, **answer_of(trial)}
+    told = {"seed": job.seed, "inventory": len(stones), **answer_of(trial)}
     if job.drops:
         told["dropped"] = dropped(trial, stones, job, rng)
     if trial.placed:
