@@ -15,6 +15,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.bare_ground import bare_ground
 from executive.leaf.body_within import body_within
+from executive.leaf.failed_releases import failed_releases
 from executive.leaf.filled_place import is_filled
 from executive.leaf.job import Job
 from executive.leaf.memory import OnResume
@@ -132,9 +133,11 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         if for_stone is not None:
             held = _likely(held_by or (), least_score) if in_jaws is None else [in_jaws]
             solids[for_stone] = self._with_jaws(free[0], solids[for_stone], held)
+        own = {n: one for n, one in as_built.items() if n not in bodies}
+        lost = failed_releases(stones, own, solid_of, objects)
         plan = yield from self.context.job(
             self.context.use(StructurePlanner).propose,
-            AsBuilt(structure, ground, tuple(as_built.values())),
+            AsBuilt(structure, ground, tuple(as_built.values()), lost),
             tuple(one.stone for one in solids.values()),
             self.context.rng(),
         )

@@ -2,7 +2,7 @@
 
 from executive.interfaces.objects import ObjectDatabase
 
-_KINDS = frozenset({"realign", "seen", "moved", "replaced"})  # of events after a stone was seen
+SIGHTINGS = frozenset({"realign", "seen", "moved", "replaced"})  # of events after a stone was seen
 _RELEASE, _REPLACED = "release", "replaced"
 
 
@@ -10,7 +10,7 @@ def sightings(objects: ObjectDatabase, stone: int) -> frozenset[str]:
     """Return the kinds of sightings of a stone since its last release, or ever without one."""
     kinds = [event.kind for event in objects.history(stone)]
     since = len(kinds) - kinds[::-1].index(_RELEASE) if _RELEASE in kinds else 0
-    return _KINDS.intersection(kinds[since:])
+    return SIGHTINGS.intersection(kinds[since:])
 
 
 def is_turn_known(objects: ObjectDatabase, stone: int) -> bool:

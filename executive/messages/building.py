@@ -1,7 +1,7 @@
 """A structure as it stands, and the next stone for it: what building planners take and answer."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,24 @@ class StandingStone:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FailedRelease:
+    """A release of a stone that did not stay where it was let go.
+
+    Attributes:
+        at_map: The stone's middle as it was let go, from above [m], shape (2,).
+        radius_m: Radius of a circle with the area of the stone's outline from above [m].
+        supports: Names of the stones that were below it, of those that still stand as they did.
+    """
+
+    at_map: Float
+    radius_m: float
+    supports: frozenset[str]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at_map", checked("at_map", self.at_map, 2))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class AsBuilt:
     """A structure, the ground it is on, and the stones of it that stand already.
 
@@ -48,11 +66,13 @@ class AsBuilt:
         structure: What is to be built.
         ground: The ground before the first stone.
         standing: The stones, in the order in which they were placed.
+        failed: Releases that failed on stones which stand, oldest first.
     """
 
     structure: Structure
     ground: HeightGrid
     standing: tuple[StandingStone, ...] = ()
+    failed: tuple[FailedRelease, ...] = ()
 
     def above_ground_m(self, points_map: Float) -> Float:
         """Return the heights of points (M, 3) above the ground below them [m], shape (M,)."""
@@ -60,7 +80,7 @@ class AsBuilt:
 
     def with_standing(self, *standing: StandingStone) -> "AsBuilt":
         """Return the same structure with other stones in place of those that stood."""
-        return AsBuilt(self.structure, self.ground, standing)
+        return replace(self, standing=standing)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -153,6 +153,64 @@ def test_a_body_in_the_structure_that_may_be_a_lost_stone_is_built_around(stage,
     assert next(one for one in ended.events if isinstance(one, BuildingEnded)).standing == (1,)
 
 
+LEFT = StoneState.PLACED, StoneState.ON_GROUND, StoneState.LOST
+
+
+@pytest.mark.parametrize("shift_m", [0.1, 1.5])
+@pytest.mark.parametrize("state", LEFT)
+def test_a_release_onto_a_stone_that_did_not_hold_is_told_to_the_planner(
+    stage, database, shift_m, state
+):
+    """Stone 2 is let go above stone 1, and is seen beside it, or where it was let go."""
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    middle = database.stone(1).T_map_object[:3, 3]
+    up = middle + (0.1, 0.0, 0.6) - database.stone(2).T_map_object[:3, 3]
+    database.grasp(2, pose(), 5.0)
+    database.release(2, pose(t=up), 6.0, StoneState.PLACED)
+    database.realign(2, pose(t=np.array([shift_m, 0.0, 0.0])), 7.0)
+    database.set_state(2, state, 8.0)
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    failed = planner.calls("propose")[0]["built"].failed
+    if shift_m < 0.3 or state is StoneState.PLACED:
+        assert failed == ()
+        return
+    (one,) = failed
+    np.testing.assert_allclose(one.at_map, middle[:2] + (0.1, 0.0), atol=1e-6)
+    assert one.supports == {"1"}
+    outline_m2 = np.prod(np.ptp(database.stone(2).points_map[:, :2], axis=0))
+    np.testing.assert_allclose(one.radius_m, np.sqrt(outline_m2 / np.pi), rtol=0.05)
+
+
+@pytest.mark.parametrize("since", ["nothing", "let go again", "taken away"])
+def test_a_release_onto_a_stone_that_stands_otherwise_since_is_not_told(stage, database, since):
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    up = database.stone(1).T_map_object[:3, 3] - database.stone(2).T_map_object[:3, 3]
+    database.grasp(2, pose(), 5.0)
+    database.release(2, pose(t=up + (0.0, 0.0, 0.6)), 6.0, StoneState.PLACED)
+    database.realign(2, pose(t=np.array([0.0, 2.0, 0.0])), 7.0)
+    database.set_state(2, StoneState.ON_GROUND, 8.0)
+    if since != "nothing":
+        database.grasp(1, pose(), 9.0)
+        to = StoneState.PLACED if since == "let go again" else StoneState.ON_GROUND
+        away = np.array([0.0, 0.0 if since == "let go again" else 3.0, 0.0])
+        database.release(1, pose(t=away), 10.0, to)
+        database.realign(1, pose(), 11.0)
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    assert bool(planner.calls("propose")[0]["built"].failed) == (since == "nothing")
+
+
+def test_a_release_onto_the_ground_is_not_told(stage, database):
+    """The ground bears any stone: what did not stay there was the stone's fault."""
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    database.realign(1, pose(t=np.array([0.0, 2.0, 0.0])), 5.0)
+    database.set_state(1, StoneState.ON_GROUND, 6.0)
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    assert planner.calls("propose")[0]["built"].failed == ()
+
+
 def test_an_end_has_its_reason_and_figures(stage, database):
     stand, _ = on_stage(stage, database, NOTHING)
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)

@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar, cast, runtime_checkable
 import numpy as np
 from executive_plugins.placing.dry_stone.footing import Footing, Noise
 
-from executive.arrays import Float
+from executive.arrays import Bool, Float
 from executive.config import Settings
 from executive.errors import ConfigError, did_you_mean
 from executive.interfaces.building import MayGoOn
@@ -45,6 +45,11 @@ class Places:
     R: Float
     origins_map: Float
     measured: Mapping[str, Float]
+
+    def only(self, chosen: Bool) -> "Places":
+        """Return those of them that are chosen, shape (P,)."""
+        measured = {name: values[chosen] for name, values in self.measured.items()}
+        return Places(self.stone, self.R, self.origins_map[chosen], measured)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from executive_plugins.placing.dry_stone.check_order import CheckOrder
 from executive_plugins.placing.dry_stone.drops import compile_drops
+from executive_plugins.placing.dry_stone.failed_places import FailedPlaces
 from executive_plugins.placing.dry_stone.footing import Noise
 from executive_plugins.placing.dry_stone.height_maps import HeightMaps
 from executive_plugins.placing.dry_stone.parts import (
@@ -96,7 +97,9 @@ class DryStone(StructurePlanner):
         usable = self._usable(inventory, refused)
         if reason := _why_none(inventory, usable, refused):
             return BuildPlan((), reason, dict(refused), self._detail(reason))
-        search = Search(self._generator, built, usable, rng, may_go_on, refused, self._most_rad)
+        again = FailedPlaces(built, self._settings)
+        limit = self._most_rad
+        search = Search(self._generator, built, usable, rng, may_go_on, refused, limit, again)
         stones = self._tried_first(usable, rng)
         targets: list[BuildTarget] = []
         for generator, most_rad in self._rounds():
@@ -231,7 +234,10 @@ class DryStone(StructurePlanner):
         """Return the best places of one stone that are apart, best first."""
         if not found:
             return []
-        terms = [self._scorer.score(places, search.built, search.usable) for places in found]
+        left = [search.again.left(places) for places in found]
+        found = [places for places, _ in left]
+        terms = [{**self._scorer.score(places, search.built, search.usable), **more}
+                 for places, more in left]  # fmt: skip
         totals = [np.sum([np.asarray(t) for t in one.values()], axis=0) for one in terms]
         first = [np.argsort(-total, kind="stable")[: 4 * kept] for total in totals]
         score = np.concatenate([total[n] for total, n in zip(totals, first, strict=True)])

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from executive_plugins.placing.dry_stone.failed_places import FailedPlaces
 from executive_plugins.placing.dry_stone.parts import Generator, Place
 
 from executive.arrays import Float
@@ -25,6 +26,7 @@ class Search:
         may_go_on: Whether there is time.
         refused: Number of stones and places that were passed over, by reason.
         most_rad: Tilt beyond which a place is left out as the stone rolls to rest there [rad].
+        again: Tells the places at which releases have failed.
         found: The best places of each stone that was gone through, by its name, as many as are
             kept when all stones are gone through again.
         checked: Stone and pose of the places that were checked.
@@ -40,6 +42,7 @@ class Search:
     may_go_on: MayGoOn
     refused: Counter[str]
     most_rad: float
+    again: FailedPlaces
     found: dict[str, Sequence[Place]] = field(default_factory=dict)
     checked: set[tuple[str, bytes]] = field(default_factory=set)
     rested: dict[tuple[str, bytes], Sequence[Place]] = field(default_factory=dict)

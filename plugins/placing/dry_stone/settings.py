@@ -139,7 +139,11 @@ class CheckSettings(Settings):
     ))  # fmt: skip
     doubt: float = Field(1.0, ge=0, description=(
         "Taken off the score of places near one where a stone did not hold (0.25 m, one standard "
-        "deviation), as much as a term of the score is worth; 0 checks by the score alone."
+        "deviation), as much as a term of the score is worth, and off that of a place from which a "
+        "stone has fallen; 0 checks by the score alone."))  # fmt: skip
+    failures: int = Field(2, ge=1, description=(
+        "Releases that failed on the same stones after which no stone is placed there any more. "
+        "Of all, two of three hold; after two that failed, by the rule of succession two of five."
     ))  # fmt: skip
 
     @property
