@@ -144,9 +144,9 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         if plan.targets:
             return self._next(structure, plan, free, solids, standing)
         if for_stone is not None:
-            return failed(f"stone {for_stone} has no other place: {plan.reason}", is_final=True)
+            return failed(f"stone {for_stone} has no other place: {_why(plan)}", is_final=True)
         told = plan.detail or "no place holds any stone"
-        return self._over(structure, str(plan.reason), told, standing, plan.refused)
+        return self._over(structure, str(plan.reason), told, standing, plan)
 
     def _with_jaws(
         self, stone: Stone, lying: StandingStone, held: Sequence[Grasp | Hold]
@@ -217,10 +217,13 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         reason: str,
         detail: str,
         standing: Sequence[Stone],
-        refused: Mapping[str, int] | None = None,
+        plan: BuildPlan | None = None,
     ) -> Outcome[BuildingOver]:
         ids = tuple(one.id for one in standing)
-        self.context.record(BuildingEnded(structure.name, reason, detail, ids, dict(refused or {})))
+        refused = {} if plan is None else dict(plan.refused)
+        by_stone = {} if plan is None else dict(plan.by_stone)
+        ended = BuildingEnded(structure.name, reason, detail, ids, refused, by_stone)
+        self.context.record(ended)
         return failed(f"{reason}: {detail}", BuildingOver(reason))
 
     def _next(
@@ -251,6 +254,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         )
         told = tell_slots(self.context, slots)
         return succeeded(BuildingStep(stone.id, list(told)), f"stone {stone.id}")
+
+
+def _why(plan: BuildPlan) -> str:
+    """Return why there is no target, with the numbers of places that were passed over."""
+    told = ", ".join(f"{n} × {reason}" for reason, n in plan.refused.items())
+    return f"{plan.reason}; {told}" if told else str(plan.reason)
 
 
 def _cannot(for_stone: int, stones: Sequence[Stone]) -> Outcome[BuildingStep | BuildingOver]:

@@ -1,7 +1,7 @@
 """Events about the site: localisation, scans, the drone's map, segmentation, places for stones."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from executive.arrays import Float
 from executive.events.event import Event
@@ -176,6 +176,8 @@ class BuildingEnded(Event):
         detail: The figures behind the reason, in words.
         standing: Ids of the stones of which it consists.
         refused: Number of stones and places that were passed over, by reason.
+        by_stone: The same of each stone that is left, by its id; the reasons of its best places
+            come first.
     """
 
     structure: str
@@ -183,6 +185,7 @@ class BuildingEnded(Event):
     detail: str
     standing: tuple[int, ...]
     refused: Mapping[str, int]
+    by_stone: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

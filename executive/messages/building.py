@@ -1,7 +1,7 @@
 """A structure as it stands, and the next stone for it: what building planners take and answer."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -124,9 +124,12 @@ class BuildPlan:
         reason: Why there is no target; None if there is one.
         refused: Number of stones and of places that were passed over, by reason.
         detail: The figures behind the reason, in words.
+        by_stone: The same numbers as `refused` of each stone, by its name, in the order in which
+            they were met: what is told of its best places comes first. Empty if it is not known.
     """
 
     targets: tuple[BuildTarget, ...]
     reason: NoTarget | None
     refused: Mapping[str, int]
     detail: str = ""
+    by_stone: Mapping[str, Mapping[str, int]] = field(default_factory=dict)

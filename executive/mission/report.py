@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from executive.events.mission import Fault
+from executive.events.site import BuildingEnded
 from executive.interfaces.report import Counts, MissionOutcome, MissionReport, Resources, Timing
 from executive.interfaces.truth import Truth
 from executive.mission.record.samples import Samples
@@ -121,14 +122,22 @@ def _stone_lines(counts: Counts) -> list[str]:
     return lines
 
 
+def _structure_lines(ended: BuildingEnded) -> list[str]:
+    """Say how a structure ended, and why each stone that is left has no place."""
+    lines = [
+        f"  structure  {ended.structure}: {len(ended.standing)} stones; it ended with"
+        f" {ended.reason}, {ended.detail}"
+    ]
+    for stone, refused in ended.by_stone.items():
+        told = ", ".join(f"{n} × {reason}" for reason, n in refused.items())
+        lines.append(f"             stone {stone} has no place: {told}")
+    return lines
+
+
 def _other_lines(report: MissionReport) -> list[str]:
     """Say what was built, registered and measured, and which plugins failed."""
     counts = report.counts
-    lines = [
-        f"  structure  {one.structure}: {len(one.standing)} stones; it ended with {one.reason},"
-        f" {one.detail}"
-        for one in report.structures
-    ]
+    lines = [line for one in report.structures for line in _structure_lines(one)]
     if counts.registrations:
         lines.append(
             f"  drone map  {counts.registrations_accepted} of "

@@ -25,7 +25,9 @@ from executive.messages.structure import Structure
 DOWN = np.array([0.0, 0.0, -1.0])
 HANGING = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # of the gripper
 WALL = Structure("garden", np.array([[-1.0, 6.0], [1.0, 6.0]]), 1.2, 0.6)
-NOTHING = BuildPlan((), "nothing_fits", {"slides_away": 3}, "no place holds any of 2 stones")
+WHY = {"2": {"slides_away": 2}, "1": {"tilts": 4, "slides_away": 1}}
+REFUSED = {"slides_away": 3, "tilts": 4}
+NOTHING = BuildPlan((), "nothing_fits", REFUSED, "no place holds any of 2 stones", WHY)
 
 
 def ground_of(low, high):
@@ -218,7 +220,7 @@ def test_an_end_has_its_reason_and_figures(stage, database):
     assert ended.reason == "nothing_fits: no place holds any of 2 stones"
     (event,) = ended.events
     assert isinstance(event, BuildingEnded)
-    assert (event.reason, dict(event.refused)) == ("nothing_fits", {"slides_away": 3})
+    assert (event.reason, event.refused, event.by_stone) == ("nothing_fits", REFUSED, WHY)
 
 
 def test_one_stone_without_a_place_does_not_end_the_structure(stage, database):
@@ -226,6 +228,8 @@ def test_one_stone_without_a_place_does_not_end_the_structure(stage, database):
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
     assert (ended.status, ended.outputs, ended.events) == ("FAILURE", {}, [])
     assert ended.is_final
+    told = "stone 2 has no other place: nothing_fits; 3 × slides_away, 4 × tilts"
+    assert ended.reason == told
     assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]
 
 

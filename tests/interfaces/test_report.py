@@ -174,6 +174,7 @@ WHOLE: dict[str, Any] = {
             "detail": "all",
             "standing": [1, 2],
             "refused": {"too_low": 3},
+            "by_stone": {"4": {"too_low": 3}},
         }
     ],
     "ignored_observations": {"Strange": 7},
@@ -292,6 +293,7 @@ NEEDED = [
     if (at[-1] not in OPTIONAL or at[:2] == ("truth", "stones"))
     and (len(at) < 2 or at[-2] not in (*FREE, "refused_observations", "missing_samples"))
     and at != ("truth", "map", "distance_m")
+    and "by_stone" not in at
 ]
 
 

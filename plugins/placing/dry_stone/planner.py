@@ -22,6 +22,7 @@ from executive_plugins.placing.dry_stone.parts import (
     part_of,
 )
 from executive_plugins.placing.dry_stone.rasters import WallTop
+from executive_plugins.placing.dry_stone.refusals import Refusals
 from executive_plugins.placing.dry_stone.rolling import STEPS_RAD, compile_rolling
 from executive_plugins.placing.dry_stone.search import Search, key_of
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
@@ -35,6 +36,7 @@ from executive_plugins.placing.dry_stone.stability import (
 )
 from executive_plugins.placing.dry_stone.weighted import Weighted
 
+from executive.arrays import Float
 from executive.config import Settings
 from executive.errors import DataError
 from executive.geometry.pose import pose
@@ -93,10 +95,10 @@ class DryStone(StructurePlanner):
         _check_names(inventory)
         if (share := self._share_done(built)) >= self._settings.covered:
             return BuildPlan((), "complete", {}, f"{share:.0%} of it is up to its height")
-        refused: Counter[str] = Counter()
+        refused = Refusals()
         usable = self._usable(inventory, refused)
-        if reason := _why_none(inventory, usable, refused):
-            return BuildPlan((), reason, dict(refused), self._detail(reason))
+        if reason := refused.why_none(len(inventory), len(usable)):
+            return refused.without_target(reason, self._detail(reason))
         again = FailedPlaces(built, self._settings)
         limit = self._most_rad
         search = Search(self._generator, built, usable, rng, may_go_on, refused, limit, again)
@@ -108,8 +110,8 @@ class DryStone(StructurePlanner):
             if targets or not may_go_on():
                 break
         if not targets and not may_go_on():
-            refused["out_of_time"] += 1
-        return _plan(targets, refused, len(usable))
+            refused.total["out_of_time"] += 1
+        return refused.plan(targets, len(usable))
 
     def _rounds(self) -> list[tuple[Generator, float]]:
         """Return by whom places are proposed, and the tilt beyond which they are left out [rad].
@@ -125,7 +127,7 @@ class DryStone(StructurePlanner):
         """Return the targets of the first lot of stones that has one."""
         targets: list[BuildTarget] = []
         count = self._settings.generator.stones
-        search.refused.pop("no_place", None)  # counted anew
+        search.refused.forget("no_place")  # counted anew
         for first in range(0, len(stones), count):
             targets = self._held(self._ranked(stones[first : first + count], search), search)
             if targets or not search.may_go_on():
@@ -151,21 +153,21 @@ class DryStone(StructurePlanner):
             spent += 1 / (1 + s.samples) if found.refusal == "tilts" else 1
             search.checked.add(key_of(place))
             if found.refusal:
-                search.refused[found.refusal] += 1
+                search.refused.add(place.stone.name, found.refusal)
                 search.failed.append(place.T_map_stone[:2, 3])
                 order.fail_at(search.failed[-1])
             else:
                 targets.append(self._target(place, found))
         return targets
 
-    def _usable(self, inventory: Sequence[SolidStone], refused: Counter[str]) -> list[SolidStone]:
+    def _usable(self, inventory: Sequence[SolidStone], refused: Refusals) -> list[SolidStone]:
         usable = []
         for stone in inventory:
             longest, _, thinnest = stone.extents_m
             if stone.mass_kg > self._settings.max_mass:
-                refused["too_heavy"] += 1
+                refused.add(stone.name, "too_heavy")
             elif longest > self._settings.slenderest * thinnest:
-                refused["needle_or_slab"] += 1
+                refused.add(stone.name, "needle_or_slab")
             else:
                 usable.append(stone)
         return usable
@@ -185,8 +187,9 @@ class DryStone(StructurePlanner):
         """Return the best places of each stone, best first."""
         self._find(stones, search)
         known = [search.found[one.name] for one in stones if one.name in search.found]
-        if nowhere := sum(not places for places in known):
-            search.refused["no_place"] += nowhere
+        for one in stones:
+            if one.name in search.found and not search.found[one.name]:
+                search.refused.add(one.name, "no_place")
         best = sorted((one for places in known for one in places), key=lambda one: -one.score)
         if not self._settings.generator.rested:
             return best
@@ -216,7 +219,7 @@ class DryStone(StructurePlanner):
         if isinstance(generator, TellsFooting):
             rests = [firm for one in rests if (firm := self._risked(one, generator, search))]
         if not rests:
-            search.refused["tilts_away"] += 1
+            search.refused.add(place.stone.name, "tilts_away")
         return rests
 
     def _risked(self, place: Place, generator: TellsFooting, search: Search) -> Place | None:
@@ -234,10 +237,7 @@ class DryStone(StructurePlanner):
         """Return the best places of one stone that are apart, best first."""
         if not found:
             return []
-        left = [search.again.left(places) for places in found]
-        found = [places for places, _ in left]
-        terms = [{**self._scorer.score(places, search.built, search.usable), **more}
-                 for places, more in left]  # fmt: skip
+        found, terms = self._scored(found, search)
         totals = [np.sum([np.asarray(t) for t in one.values()], axis=0) for one in terms]
         first = [np.argsort(-total, kind="stable")[: 4 * kept] for total in totals]
         score = np.concatenate([total[n] for total, n in zip(totals, first, strict=True)])
@@ -253,6 +253,20 @@ class DryStone(StructurePlanner):
             T = pose(found[number].R, at[row])
             best.append(Place(found[number].stone, T, float(score[row]), values))
         return best
+
+    def _scored(
+        self, found: Sequence[Places], search: Search
+    ) -> tuple[list[Places], list[Mapping[str, Float]]]:
+        """Return the places that are left where releases have failed, and all terms of theirs."""
+        left: list[Places] = []
+        terms: list[Mapping[str, Float]] = []
+        for places in found:
+            kept, term = search.again.left(places)
+            if fell := len(places.origins_map) - len(kept.origins_map):
+                search.refused.add(places.stone.name, "fell_there", fell)
+            left.append(kept)
+            terms.append({**self._scorer.score(kept, search.built, search.usable), **term})
+        return left, terms
 
     def _target(self, place: Place, found: Stability) -> BuildTarget:
         lift = np.array([0.0, 0.0, self._settings.release_height])
@@ -281,21 +295,3 @@ def _check_names(inventory: Sequence[SolidStone]) -> None:
     twice = [name for name, n in Counter(stone.name for stone in inventory).items() if n > 1]
     if twice:
         raise DataError(f"two stones of the inventory are called '{twice[0]}'; rename one")
-
-
-def _why_none(
-    inventory: Sequence[SolidStone], usable: Sequence[SolidStone], refused: Mapping[str, int]
-) -> NoTarget | None:
-    if not inventory:
-        return "no_stones"
-    if usable:
-        return None
-    return "all_too_heavy" if refused["too_heavy"] == len(inventory) else "all_unsuitable"
-
-
-def _plan(targets: Sequence[BuildTarget], refused: Mapping[str, int], tried: int) -> BuildPlan:
-    if targets:
-        return BuildPlan(tuple(targets), None, dict(refused))
-    if "out_of_time" in refused:
-        return BuildPlan((), "out_of_time", dict(refused), "no place held in the time given")
-    return BuildPlan((), "nothing_fits", dict(refused), f"no place holds any of {tried} stones")

@@ -1,12 +1,12 @@
 """What one search for the next stone has found so far."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from executive_plugins.placing.dry_stone.failed_places import FailedPlaces
 from executive_plugins.placing.dry_stone.parts import Generator, Place
+from executive_plugins.placing.dry_stone.refusals import Refusals
 
 from executive.arrays import Float
 from executive.interfaces.building import MayGoOn
@@ -24,7 +24,7 @@ class Search:
         usable: All stones that may be used.
         rng: The only source of chance.
         may_go_on: Whether there is time.
-        refused: Number of stones and places that were passed over, by reason.
+        refused: Why stones and places were passed over.
         most_rad: Tilt beyond which a place is left out as the stone rolls to rest there [rad].
         again: Tells the places at which releases have failed.
         found: The best places of each stone that was gone through, by its name, as many as are
@@ -40,7 +40,7 @@ class Search:
     usable: Sequence[SolidStone]
     rng: np.random.Generator
     may_go_on: MayGoOn
-    refused: Counter[str]
+    refused: Refusals
     most_rad: float
     again: FailedPlaces
     found: dict[str, Sequence[Place]] = field(default_factory=dict)

@@ -56,7 +56,7 @@ class KnownStonesPlanner(StructurePlanner):
         known = [self._known(one.name, ROOM_M)[0] for one in inventory]
         plan = self._planner.propose(built.with_standing(*standing), known, rng, may_go_on)
         targets = tuple(self._of_stone(one) for one in plan.targets)
-        return BuildPlan(targets, plan.reason, plan.refused, plan.detail)
+        return replace(plan, targets=targets)
 
     def _seen(self, one: StandingStone, rng: np.random.Generator) -> StandingStone:
         """Return a standing stone as the last look knows it."""

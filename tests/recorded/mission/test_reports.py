@@ -125,7 +125,12 @@ def test_summaries(recorded) -> None:
         report(truth=dataclasses.replace(truth, collisions=None)),
         report(
             counts=all_counts,
-            structures=(BuildingEnded("wall", "complete", "all of it", (1, 2), {}),),
+            structures=(
+                BuildingEnded("wall", "complete", "all of it", (1, 2), {}),
+                BuildingEnded(
+                    "row", "nothing_fits", "none", (), {}, {"4": {"tilts": 5, "topples": 2}}
+                ),
+            ),
             figures={"depth": FigureReport(1.5, "m"), "n": FigureReport(2.0, "")},
             pauses=PausesReport(2, 3.0, 65.5),
             late_ticks=LateTicksReport(

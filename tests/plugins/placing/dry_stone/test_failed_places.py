@@ -60,6 +60,7 @@ def test_it_is_left_out_once_two_have_failed(releases: int, has_place: bool) -> 
         assert plan.targets[0].terms["failed"] == -1.0
     else:
         assert plan.reason == "nothing_fits"
+        assert list(plan.by_stone["top"]) == ["fell_there", "no_place"]
 
 
 def test_a_stone_on_what_was_put_there_since_is_not_at_that_place() -> None:

@@ -1,6 +1,7 @@
 """The dry-stone planner on stones whose right place is known."""
 
 import time
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -112,6 +113,7 @@ def test_a_stone_may_stand_above_the_top_by_half_of_its_thickness(
     plan = planner(generator=generator).propose(bare().with_standing(*stands), (stone,), rng())
     assert (plan.reason is None) == fits
     assert plan.refused == ({} if fits else {"no_place": 1})
+    assert plan.by_stone == ({} if fits else {"next": {"no_place": 1}})
 
 
 def test_no_place_is_checked_twice_though_stones_are_gone_through_twice(monkeypatch) -> None:
@@ -136,6 +138,9 @@ def test_no_place_is_checked_twice_though_stones_are_gone_through_twice(monkeypa
     assert plan.reason == "nothing_fits"
     assert asked == [(2, len(boxes())), (4, len(boxes()))]
     assert len(set(checked)) == len(checked) == plan.refused["slides_away"] > 9
+    of_each = Counter(stone for stone, _ in checked)
+    assert plan.by_stone == {stone: {"slides_away": n} for stone, n in of_each.items()}
+    assert next(iter(plan.by_stone)) == checked[0][0]  # the reason of the best place comes first
 
 
 @pytest.mark.parametrize("is_empty", [True, False])
