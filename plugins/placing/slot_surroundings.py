@@ -95,6 +95,7 @@ class SlotSurroundings:
         self._tree = cKDTree(self._neighbours) if is_high.any() else None
         is_on_soil = not is_posed or _is_on_soil(near, level)
         self._soil = self._ground - (0.0, 0.0, gripper.digs_m if is_on_soil else 0.0)
+        self._bed = self._ground[:0] if is_on_soil else self._ground
         if is_posed and self._tree is not None:  # the foot of a neighbour is no soil
             high = cKDTree(self._neighbours[:, :2])
             is_foot = high.query(self._ground[:, :2])[0] < _LEVEL_M
@@ -103,7 +104,8 @@ class SlotSurroundings:
     def is_free(self, T_map_gripper: Float, stone_map: Float) -> bool:
         """Return whether stone and opening jaws clear the neighbours, and the jaws the ground.
 
-        The jaws may be in the ground as far as they dig, but for places on other stones.
+        The jaws may be in the ground as far as they dig. The stones below a place on other stones
+        are no ground: where the stone is to rest, the jaws that let it go are 5 cm from them.
         The jaws open as far as they do to let this stone go (`ReleaseStone`), not as they can.
         Beside stones on which it is to rest they open by half of that where there is no more room,
         and are where it rests by then.
@@ -117,7 +119,10 @@ class SlotSurroundings:
             apart_m, neighbours, opened = self._apart_m, self._neighbours, angles
         else:
             apart_m, opened = max(self._apart_m, ROOM_M), angles[:2]
-            neighbours = self._neighbours + (0.0, 0.0, self._lowered_m)
+            lowered = 0.0, 0.0, self._lowered_m
+            neighbours = self._neighbours + lowered
+            if self._depth_m(transform(T_gripper_map, self._bed + lowered), opened) > -ROOM_M:
+                return False
         if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False
         return self._depth_m(transform(T_gripper_map, self._soil), angles) < _IN_GROUND_M

@@ -69,11 +69,27 @@ def test_jaws_may_be_in_the_ground_as_far_as_they_dig(machine: Machine, site: tu
         posed = SlotFoot(np.array([0, 0, level]), 0.5, lowered_m=0.0)
         on_soil = SlotSurroundings(machine.gripper, cloud, posed)
         assert on_soil.is_free(T_MAP_GRIPPER, STONE) == is_free
-        # On other stones they may not: around these the ground is half a metre lower.
-        is_beside = np.linalg.norm(cloud[:, :2], axis=1) > 1.2
-        cloud[is_beside, 2] -= 0.5
-        on_stones = SlotSurroundings(machine.gripper, cloud, posed)
-        assert on_stones.is_free(T_MAP_GRIPPER, STONE) == (deep_m == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("deep_m", "drop_m", "is_free"),
+    [(0.1, 0.0, False), (-0.02, 0.0, False), (-0.07, 0.0, True), (-0.07, 0.05, False),
+     (-0.12, 0.05, True)],
+)  # fmt: skip
+def test_jaws_keep_five_centimetres_above_the_stones_of_a_place_on_others(
+    machine: Machine, site: tuple, deep_m: float, drop_m: float, is_free: bool
+) -> None:
+    """What is below the stone is no ground: around it the ground is half a metre lower.
+
+    The stone is checked above its place, and its jaws go down with it.
+    """
+    ground: Callable[..., Float] = site[1]
+    level = lowest(machine)[2] + deep_m
+    cloud = ground(4.0) + (0.0, 0.0, level)
+    cloud[np.linalg.norm(cloud[:, :2], axis=1) > 1.2, 2] -= 0.5
+    posed = SlotFoot(np.array([0.0, 0.0, level]), 0.5, lowered_m=drop_m)
+    around = SlotSurroundings(machine.gripper, cloud, posed)
+    assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
 
 
 def test_jaws_do_not_dig_into_the_foot_of_a_neighbour(machine: Machine, site: tuple) -> None:
