@@ -6,6 +6,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.geometry.polygon import area_m2, contains, distance_to_outline, outline_of
+from executive.geometry.pose import inverse
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.sightings import SIGHTINGS
 from executive.messages.building import FailedRelease, StandingStone
@@ -22,10 +23,12 @@ def failed_releases(
     solids: Mapping[int, StandingStone],
     objects: ObjectDatabase,
 ) -> tuple[FailedRelease, ...]:
-    """Return the releases onto stones that stand still which failed there, oldest first.
+    """Return the releases that failed on stones which stand as they did then, oldest first.
 
-    A stone that was seen farther off than 0.3 m, or that is lost since, did not stay. What was let
-    go on the ground alone is left out: the ground bears any stone, and what failed was the stone.
+    A stone that was seen farther off than 0.3 m, or that is lost since, did not stay. A release is
+    left out if one of the stones that were below it is no longer there, as that may have been what
+    gave way; and one onto the ground alone: the ground bears any stone, and what failed was the
+    stone.
 
     Args:
         stones: All stones.
@@ -34,20 +37,36 @@ def failed_releases(
         objects: The database.
     """
     found = []
+    history = {one.id: objects.history(one.id) for one in stones}
     for stone in stones:
-        for release in _failed(objects.history(stone.id), stone.id in standing):
+        for release in _failed(history[stone.id], stone.id in standing):
             below = {
-                one.stone.name
-                for n, one in standing.items()
+                n: one
+                for n, one in solids.items()
                 if n != stone.id
-                and _begun_s(objects.history(n)) < release.stamp_s
-                and _is_below(one, release.T_map_object[:3, 3], solids[stone.id])
+                and (then := _as_it_stood(one, history[n], release.stamp_s)) is not None
+                and _is_below(then, release.T_map_object[:3, 3], solids[stone.id])
             }
-            if below:
+            stand_still = all(
+                n in standing and _begun_s(history[n]) < release.stamp_s for n in below
+            )
+            if below and stand_still:
+                names = frozenset(one.stone.name for one in below.values())
                 radius_m = float(np.sqrt(area_m2(_outline(solids[stone.id])) / np.pi))
                 at = release.T_map_object[:2, 3]
-                found.append((release.stamp_s, FailedRelease(at, radius_m, frozenset(below))))
+                found.append((release.stamp_s, FailedRelease(at, radius_m, names)))
     return tuple(one for _, one in sorted(found, key=lambda pair: pair[0]))
+
+
+def _as_it_stood(
+    one: StandingStone, history: Sequence[StoneEvent], stamp_s: float
+) -> StandingStone | None:
+    """Return a stone as it was placed at a time; None if it was not, or lay within by itself."""
+    before = [event for event in history if event.stamp_s < stamp_s]
+    if not before or before[-1].state is not StoneState.PLACED:
+        return None
+    T_then_now = before[-1].T_map_object @ inverse(history[-1].T_map_object)
+    return StandingStone(one.stone, T_then_now @ one.T_map_stone)
 
 
 def _failed(history: Sequence[StoneEvent], is_standing: bool) -> list[StoneEvent]:

@@ -18,7 +18,7 @@ from executive.messages.cloud import Cloud
 from executive.messages.grasp import Grasp
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
-from executive.messages.segment import Segmentation
+from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import StoneState
 from executive.messages.structure import Structure
 
@@ -201,6 +201,30 @@ def test_a_release_onto_a_stone_that_stands_otherwise_since_is_not_told(stage, d
     stand, planner = on_stage(stage, database, NOTHING)
     stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
     assert bool(planner.calls("propose")[0]["built"].failed) == (since == "nothing")
+
+
+@pytest.mark.parametrize("has_left", [False, True])
+def test_a_release_onto_two_stones_is_not_told_once_one_of_them_has_left(stage, database, has_left):
+    """What left may be what gave way."""
+    third = stage.block((5.0, 7.0, 0.3), seed=2)
+    database.observe([Segment(0, third, third.mean(axis=0), np.ptp(third, axis=0))], 1.5, False)
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    database.grasp(3, pose(), 4.5)
+    near = database.stone(1).T_map_object[:3, 3] - database.stone(3).T_map_object[:3, 3]
+    database.release(3, pose(t=near + (0.7, 0.0, 0.0)), 4.6, StoneState.PLACED)
+    database.realign(3, pose(), 4.7)
+    up = database.stone(1).T_map_object[:3, 3] - database.stone(2).T_map_object[:3, 3]
+    database.grasp(2, pose(), 5.0)
+    database.release(2, pose(t=up + (0.35, 0.0, 0.6)), 6.0, StoneState.PLACED)
+    database.realign(2, pose(t=np.array([0.0, 2.0, 0.0])), 7.0)
+    database.set_state(2, StoneState.ON_GROUND, 8.0)
+    if has_left:
+        database.realign(3, pose(t=np.array([0.0, -3.0, 0.0])), 9.0)
+        database.set_state(3, StoneState.ON_GROUND, 9.0)
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    failed = planner.calls("propose")[0]["built"].failed
+    assert [one.supports for one in failed] == ([] if has_left else [{"1", "3"}])
 
 
 def test_a_release_onto_the_ground_is_not_told(stage, database):
