@@ -3,11 +3,12 @@
 import numpy as np
 
 from executive.arrays import Float
+from executive.machine.stance import SLOWEST_S
 
 # From the stiffest legs under the lightest stone to soft tyres under the heaviest one: 12 t on
 # 2 MN/m a leg sway within 0.7 s without a load, and within 1.2 s with 2.6 t at 7 m; a tyre of 0.33
 # to 0.65 MN/m makes that twice as long.
-PERIODS_S = np.geomspace(0.4, 2.5, 24)
+PERIODS_S = np.geomspace(0.4, SLOWEST_S, 24)
 _DAMPING = (0.0, 0.05, 0.1)  # of critical: steel alone, to legs that stand on soil
 _NOISE_SHARE = 0.1  # of the sway that is expected, if there is one; its square is what counts
 _FEWEST = 5  # values: one more than level, two amplitudes and noise

@@ -12,6 +12,7 @@ from executive.geometry.rotation import exp_so3
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
+from executive.machine.stance import Stance
 
 
 class Lean:
@@ -23,6 +24,7 @@ class Lean:
 
     def __init__(self, machine: Machine) -> None:
         self._machine, self._kinematics = machine, Kinematics(machine)
+        self._support_n_m = machine.stance.support_n_m or 0.0
 
     def moved(self, T_map_base: Float, q_from: Float, q_to: Float) -> Float:
         """Return where the chassis is once the arm has gone from one posture to another, (4, 4).
@@ -32,24 +34,31 @@ class Lean:
             q_from: The first posture [rad] or [m], shape (n,).
             q_to: The other one, shape (n,).
         """
-        if self._machine.stance.support_n_m is None:
+        if not self._support_n_m:
             return T_map_base
         return np.asarray(T_map_base @ inverse(self._leant(q_from)) @ self._leant(q_to))
 
     def _leant(self, q: Float) -> Float:
         """Return the pose of the leaning chassis in the level one, shape (4, 4).
 
-        The unknowns are the heave and the small turns about x and y, by which a support at (x, y)
-        goes down by −(heave + y·turn_x − x·turn_y).
+        The unknowns are the heave and the small turns about x and y.
         """
-        supports = np.array(self._machine.stance.supports_m)
-        yields = np.column_stack([np.ones(len(supports)), supports[:, 1], -supports[:, 0]])
+        yields = support_rows(self._machine.stance)
         frames, load = self._kinematics.frames(q), np.zeros(3)
         for name, link in self._machine.links.items():
             x, y, _ = transform(frames[name], np.array(link.com_m))
             load -= link.mass_kg * GRAVITY_M_S2 * np.array([1.0, y, -x])
-        stiffness = self._machine.stance.support_n_m * yields.T @ yields
+        stiffness = self._support_n_m * yields.T @ yields
         heave_m, turn_x, turn_y = np.linalg.solve(stiffness, load)
         turn = pose(R=exp_so3(np.array([turn_x, turn_y, 0.0])))
         foot = pose(t=np.array([0.0, 0.0, -self._machine.stance.base_height_m]))
         return pose(t=np.array([0.0, 0.0, heave_m])) @ foot @ turn @ inverse(foot)
+
+
+def support_rows(stance: Stance) -> Float:
+    """Return how far each support goes up with the heave and the turns about x and y, (L, 3).
+
+    One at (x, y) goes up by heave + y·turn_x − x·turn_y.
+    """
+    supports = np.array(stance.supports_m).reshape(-1, 2)
+    return np.column_stack([np.ones(len(supports)), supports[:, 1], -supports[:, 0]])

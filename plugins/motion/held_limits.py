@@ -33,7 +33,7 @@ class Levers:
 
 
 def held_limits(
-    limits: Limits, levers: Levers, settings: HermiteSettings, may_sway: bool = False
+    limits: Limits, levers: Levers, settings: HermiteSettings, sway_s: float = 0.0
 ) -> Limits:
     """Return limits under which no joint alone accelerates a held stone by more than is set.
 
@@ -41,12 +41,11 @@ def held_limits(
         limits: Those of the joints.
         levers: Those of the motion.
         settings: How hard and how suddenly.
-        may_sway: Whether the machine stands on what yields, so that the motion is averaged over a
-            period of its sway.
+        sway_s: Period of the sway of a machine on supports that yield, over which the motion is
+            averaged [s]: that leaves no sway of this period.
     """
     up = settings.held_up_m_s2 / np.maximum(levers.up, _LEAST_LEVER)
     sideways = settings.held_sideways_m_s2 / np.maximum(levers.sideways, _LEAST_LEVER)
     acceleration = np.minimum(limits.acceleration, np.minimum(up, sideways))
     jerk = np.minimum(limits.jerk, acceleration / settings.held_ramp)
-    average_s = settings.held_average if may_sway else 0.0
-    return Limits(limits.velocity, acceleration, jerk, limits.flow, average_s)
+    return Limits(limits.velocity, acceleration, jerk, limits.flow, sway_s)

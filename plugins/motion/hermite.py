@@ -1,11 +1,9 @@
 """The paper's heuristic planner: waypoints along the ground normal, Hermite curves between."""
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from executive_plugins.motion.carried_load import CarriedLoad
 from executive_plugins.motion.collision import CollisionCheck
 from executive_plugins.motion.convex_body import ConvexBody
 from executive_plugins.motion.forward_kinematics import link_frames
@@ -23,12 +21,12 @@ from executive_plugins.motion.settings import HermiteSettings
 from executive_plugins.motion.sweep import folding_sweep, sweep
 from executive_plugins.motion.timing import Limits
 from executive_plugins.motion.waypoints import Waypoints
+from executive_plugins.motion.yielding_base import Request, YieldingBase
 
 from executive.arrays import Float, checked
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.motion import MotionPlanner
 from executive.machine.kinematics import Kinematics
-from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine
 from executive.messages.cloud import Cloud
 from executive.messages.request import Around, MotionPlan, MoveRequest, PostureRequest
@@ -55,6 +53,7 @@ class Hermite(MotionPlanner):
         self._kinematics = Kinematics(machine)
         self._ik = InverseKinematics(settings.inverse_kinematics, machine, self._kinematics)
         self._waypoints = Waypoints(machine, self._kinematics, self._ik)
+        self._base = YieldingBase(machine, settings.lift_capacity)
         self._bodies = machine_bodies(machine)
         self._machine_check = SelfCollision(machine, self._bodies, settings.machine_clearance)
         compile_speeds(len(machine.joints))
@@ -123,7 +122,7 @@ class Hermite(MotionPlanner):
         fold, reason = self._fold(start), ""
         limits = self._loaded(around)
         if around.held_gripper is not None:
-            limits = self._held(limits, fold)
+            limits = self._held(limits, fold, around)
         ways = [(folding_sweep, angle_rad), (folding_sweep, -angle_rad), (sweep, angle_rad)]
         # Unseen ground is not taken for free: on an empty map the arm folds first.
         touching: JointTrajectory | None = None
@@ -179,19 +178,8 @@ class Hermite(MotionPlanner):
             limits=self.limits(request),
             clearance_m=settings.clearance,
             least_arrival=settings.least_arrival,
-            load=self._carried(request),
+            load=self._base.load(request),
         )
-
-    def _carried(self, request: MoveRequest | PostureRequest) -> CarriedLoad | None:
-        """Return the stone in the jaws of a machine that may tip; None if nobody has weighed it."""
-        may_tip = self._machine.stance.limits_by_tipping(self._settings.lift_capacity)
-        if not may_tip or request.held_gripper is None or request.held_kg is None:
-            return None
-        return CarriedLoad(self._capacity, request.held_kg)
-
-    @cached_property
-    def _capacity(self) -> LiftCapacity:
-        return LiftCapacity(self._machine)
 
     def _sweep_check(self, start: Float, around: Around) -> SelfCollision:
         """Return the check of the machine with itself, and with a held stone if there is one."""
@@ -235,14 +223,14 @@ class Hermite(MotionPlanner):
             T_base_goal = inverse(request.T_map_base) @ request.T_map_gripper
             goal = self._ik.solve(T_base_goal, request.start)
         ends = [request.start] if goal is None else [request.start, goal]
-        return self._held(limits, ends)
+        return self._held(limits, ends, request)
 
-    def _held(self, limits: Limits, postures: Sequence[Float]) -> Limits:
-        """Return the limits of a motion with a held stone that passes some postures."""
-        levers, stance = Levers.at(self._kinematics, *postures), self._machine.stance
-        return held_limits(limits, levers, self._settings, stance.support_n_m is not None)
+    def _held(self, limits: Limits, postures: Sequence[Float], request: Request) -> Limits:
+        """Return the limits of a motion with the held stone of a request that passes postures."""
+        levers = Levers.at(self._kinematics, *postures)
+        return held_limits(limits, levers, self._settings, self._base.sway_s(request, postures))
 
-    def _loaded(self, request: MoveRequest | PostureRequest | Around) -> Limits:
+    def _loaded(self, request: Request) -> Limits:
         """Return the machine's limits with the load of a request."""
         machine, share, load = self._machine, self._settings.speed, self._load(request)
         velocity, acceleration = (
@@ -255,7 +243,7 @@ class Hermite(MotionPlanner):
         flow = None if self._settings.oil_flow == "free" else OilFlow.of(machine)
         return Limits(velocity * share, acceleration * share, machine.max_jerk, flow)
 
-    def _load(self, request: MoveRequest | PostureRequest | Around) -> float:
+    def _load(self, request: Request) -> float:
         """Return the load of a request, from 0 for none to 1 for that of the loaded limits."""
         if request.held_gripper is None:
             return 0.0

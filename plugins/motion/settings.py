@@ -82,15 +82,6 @@ class HermiteSettings(PluginSettings):
         description="Least time in which these accelerations set in [s]: a period of the arm's "
         "servo loops, so that they do not swing.",
     )
-    held_average: Seconds = Field(
-        1.0,
-        ge=0,
-        le=5,
-        description="Least time over which the motion of a held stone is averaged where the "
-        "machine stands on supports that yield [s]: a period of its sway, 0.65 to 1.15 s with a "
-        "stone, up to 1.5 s near its lift capacity. An average over a period leaves no sway of "
-        "that period, a fifth of the others and a third of the slowest.",
-    )
     lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
         "by_base",
         description="Whether paths with a weighed stone keep the rated lift capacity by radius and "
