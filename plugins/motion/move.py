@@ -1,6 +1,6 @@
 """One move: a straight start, a travel, a straight arrival, and their collision checks."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,7 +121,7 @@ class Move:
 
     def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""
-        direct = time_line(self.machine.arm_names, start, goal, self.limits)
+        direct = self._eased(lambda limits: time_line(self.machine.arm_names, start, goal, limits))
         if self.check.first_hit_along(direct) is None:
             return direct
         return self.travel(Line(start[None], 0.0), Line(goal[None], 0.0))
@@ -217,7 +217,13 @@ class Move:
         return NoPath(f"arriving: collision of {hit.what}, {above:.2f} m above the goal")
 
     def _timed(self, path: HermitePath) -> JointTrajectory:
-        return time_path(self.machine.arm_names, path, self.limits)
+        return self._eased(lambda limits: time_path(self.machine.arm_names, path, limits))
+
+    def _eased(self, timed: Callable[[Limits], JointTrajectory]) -> JointTrajectory:
+        """Return a motion with accelerations that a machine bears which may tip with its load."""
+        if self.load is None:
+            return timed(self.limits)
+        return self.load.eased(lambda share: timed(self.limits.softened(share)))
 
     def _frame(self, q: Float) -> Float:
         frames = link_frames(self.machine, q[None], 0.0)

@@ -1,6 +1,6 @@
 """Timing of a path within velocity, acceleration and jerk limits of all joints, twice smooth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from executive_plugins.motion.oil_flow import OilFlow
@@ -31,6 +31,10 @@ class Limits:
     jerk: Float
     flow: OilFlow | None = None
     least_average_s: float = 0.0
+
+    def softened(self, share: float) -> "Limits":
+        """Return limits with a share of the accelerations and jerks."""
+        return replace(self, acceleration=share * self.acceleration, jerk=share * self.jerk)
 
 
 def time_path(names: tuple[str, ...], path: HermitePath, limits: Limits) -> JointTrajectory:

@@ -10,6 +10,7 @@ from executive.geometry.convex import volume_and_centroid
 from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine
 from executive.machine.sway import Sway
+from executive.machine.tipping_moment import TippingMoment
 from executive.messages.request import Around, MoveRequest, PostureRequest
 from executive.messages.stone import STONE_DENSITY_KG_M3
 
@@ -32,7 +33,7 @@ class YieldingBase:
         """Return the stone in the jaws of a machine that may tip; None if nobody has weighed it."""
         if not self._may_tip or request.held_gripper is None or request.held_kg is None:
             return None
-        return CarriedLoad(self._capacity, request.held_kg)
+        return CarriedLoad(self._capacity, self._moment if self._yields else None, request.held_kg)
 
     def sway_s(self, request: Request, postures: Sequence[Float]) -> float:
         """Return the longest period of the sway with the stone of a request in some postures [s].
@@ -49,6 +50,10 @@ class YieldingBase:
     @cached_property
     def _capacity(self) -> LiftCapacity:
         return LiftCapacity(self._machine)
+
+    @cached_property
+    def _moment(self) -> TippingMoment:
+        return TippingMoment(self._machine)
 
     @cached_property
     def _sway(self) -> Sway:

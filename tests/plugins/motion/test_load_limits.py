@@ -10,8 +10,10 @@ from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
 from executive.machine.kinematics import Kinematics
+from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine, load_machine
 from executive.machine.sway import Sway
+from executive.machine.tipping_moment import TippingMoment
 from executive.messages.cloud import Cloud
 from executive.messages.request import MoveRequest, PostureRequest
 from executive.messages.trajectory import JointTrajectory
@@ -112,6 +114,23 @@ def test_a_stone_that_nobody_has_weighed_sways_as_its_hull_would(asked: PostureR
     hull_kg = 2700.0 * ConvexHull(up.held_gripper).volume
     unknown, known = (raised_by(True, replace(up, held_kg=kg)) for kg in (None, hull_kg))
     np.testing.assert_array_equal(unknown.times_s, known.times_s)
+
+
+def test_a_motion_with_a_load_uses_half_of_what_holds_the_machine(asked: PostureRequest) -> None:
+    """All joints of the boom brake at once at its end; with less load they may do so harder."""
+    machine = resting(True)
+    down = asked.start + np.array([np.pi / 2, -0.7, 0.5, 0.6, 0.3, 0.0, 0.0])
+    start = asked.start + np.pi / 2 * np.eye(len(down))[0]
+    tipping_kg = LiftCapacity(machine).at(down).tipping_kg
+    used, lasted_s = [], []
+    for share in (0.3, 0.85):
+        kg = share * tipping_kg
+        motion = moved_by(machine, replace(asked, start=start, goal=down, held_kg=kg))
+        path = (motion.times_s, motion.position, motion.velocity)
+        used.append(TippingMoment(machine).used(*path, kg))
+        lasted_s.append(motion.duration_s)
+    assert max(used) <= 0.52
+    assert lasted_s[1] > 1.1 * lasted_s[0]
 
 
 def test_an_empty_gripper_is_not_slowed_by_a_sway(asked: PostureRequest) -> None:
