@@ -60,7 +60,7 @@ class FaultyActuator:
         if isinstance(command, MoveJaws) and self.fault.actuator == JAWS:
             return self._jaws(command)
         if isinstance(command, Follow) and self._joints:
-            return Follow(self._slowed(command.trajectory))
+            return replace(command, trajectory=self._slowed(command.trajectory))
         return command
 
     @property

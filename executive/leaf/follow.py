@@ -6,6 +6,7 @@ import numpy as np
 
 from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
+from executive.leaf.loaded_stop import least_stop_s
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.command import START_TOLERANCE, Follow
 from executive.messages.trajectory import JointTrajectory
@@ -17,18 +18,25 @@ _STALL_SPEED = 0.005  # [rad/s] or [m/s]
 _START_SHARE = 0.9  # of the robot's own tolerance, which it compares with a later sample
 
 
-def follow(context: Context, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
+def follow(
+    context: Context, trajectory: JointTrajectory, load_kg: float = 0.0
+) -> Generator[None, None, Outcome[None]]:
     """Command a trajectory and wait for its end; when cancelled, stop along the path.
 
     Fails without moving if the arm is not where the trajectory begins: a load that slips can push
-    it after planning.
+    it after planning. With a load on supports that yield, a stop is no quicker than they bear.
+
+    Args:
+        context: The leaf's view of the mission.
+        trajectory: The motion.
+        load_kg: What may come to hang in the jaws on the way, beside what hangs there now [kg].
     """
     robot = context.use(Robot)
     away = np.abs(position_of(context, trajectory) - trajectory.position[0])
     if away.max() > _START_SHARE * START_TOLERANCE:
         name = trajectory.names[int(away.argmax())]
         return failed(f"{name} has moved {away.max():.3f} since the path was planned: plan again")
-    robot.command(Follow(trajectory))
+    robot.command(Follow(trajectory, least_stop_s(context, trajectory, load_kg)))
     is_over = False
     try:
         outcome = yield from _arrive(context, trajectory)

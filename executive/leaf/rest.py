@@ -44,9 +44,10 @@ def stop_limit_s(machine: Machine, joints: Iterable[str]) -> float:
     """Return the time after which joints that were told to stop must be at rest [s].
 
     Twice the longest stop of a single joint at its acceleration limit, because the curvature of a
-    path may use up to half of that limit; and the window in which shaking on the spot shows.
+    path may use up to half of that limit; what a stop with a load may take where the machine would
+    tip; and the window in which shaking on the spot shows.
     """
-    return 2.0 * machine.stop_s(joints) + _WINDOW_S
+    return 2.0 * machine.stop_s(joints) + machine.stance.longest_stop_s + _WINDOW_S
 
 
 def come_to_rest(context: Context) -> Generator[None, None, str]:

@@ -51,6 +51,11 @@ class Stance(Sourced):
         return rule == "iso_10567" or (rule == "by_base" and self.is_free)
 
     @property
+    def longest_stop_s(self) -> float:
+        """How long a stop may last that spares a machine on supports that yield [s]; 0 without."""
+        return 0.0 if self.support_n_m is None else SLOWEST_S
+
+    @property
     def settling_s(self) -> float:
         """How long a joint may need to be back on its path after its load has changed at once [s].
 

@@ -15,9 +15,16 @@ DRIVE_HOLD_S = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Follow:
-    """Follow a trajectory from now on; it replaces the one that is being followed."""
+    """Follow a trajectory from now on; it replaces the one that is being followed.
+
+    Attributes:
+        trajectory: The motion.
+        stop_s: Least time in which a stop takes its whole speed away, and in which it is taken up
+            again [s]; 0 where only the joints limit that. A safe stop is as fast as the joints may.
+    """
 
     trajectory: JointTrajectory
+    stop_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -113,7 +113,7 @@ class KinematicRobot(Robot):
             self._driver.command(command, self._q, arm_moves=self._follower.is_moving)
         elif isinstance(command, Follow):
             self._driver.check_at_rest()
-            self._follower.follow(command.trajectory, self._q)
+            self._follower.follow(command.trajectory, self._q, command.stop_s)
         elif isinstance(command, MoveJaws):
             self._jaw_held = None
             closing = command.position_rad < self._jaw

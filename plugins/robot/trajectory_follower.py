@@ -25,15 +25,16 @@ class KeptPath(TypedDict):
     columns: Int
     progress: tuple[float, float]  # along the path [s], and its rate
     end: tuple[bool, bool]  # stopping, given up
+    stop_s: float  # least time in which ds/dt falls from 1 to 0
 
 
 class Follower:
     """Computes the reference of the arm at each step.
 
     The reference is a point s in the trajectory's own time. While following, ds/dt = 1. While
-    stopping, ds/dt falls to 0 as fast as the acceleration limits of all joints allow, so that the
-    arm stays on the path that was checked for collisions: with q(s), the acceleration of the joints
-    is q″ (ds/dt)² + q′ d²s/dt².
+    stopping, ds/dt falls to 0 as fast as the acceleration limits of all joints allow, and no faster
+    than the command asks for, so that the arm stays on the path that was checked for collisions:
+    with q(s), the acceleration of the joints is q″ (ds/dt)² + q′ d²s/dt².
 
     In a pause the mission's time stands still while s goes on until the arm stands. After it the
     arm waits for so long that, when ds/dt is 1 again, s is as far as without a pause. Where
@@ -49,18 +50,20 @@ class Follower:
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
         self._is_given_up = self._is_paused = False
         self._lead_s = self._wait_s = 0.0  # s beyond the mission's time; how long ds/dt stays
+        self._stop_s = _QUICKEST_STOP_S
 
     @property
     def is_moving(self) -> bool:
         """Whether a trajectory is under way and not stopped."""
         return self._trajectory is not None and not (self._is_stopping and self._rate == 0.0)
 
-    def follow(self, trajectory: JointTrajectory, position: Float) -> None:
+    def follow(self, trajectory: JointTrajectory, position: Float, stop_s: float = 0.0) -> None:
         """Follow a trajectory from now on.
 
         Args:
             trajectory: Trajectory of some or all arm joints; the others keep their positions.
             position: Present positions of the arm, shape (n,).
+            stop_s: Least time in which `stop` takes its whole speed away [s].
 
         Raises:
             RobotError: If it names an unknown joint, starts elsewhere, or exceeds the range or the
@@ -79,6 +82,7 @@ class Follower:
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
         self._is_given_up = False
         self._lead_s = self._wait_s = 0.0
+        self._stop_s = max(stop_s, _QUICKEST_STOP_S)
 
     def stop(self) -> None:
         """Slow down along the path and hold; the path is kept for `resume`.
@@ -89,8 +93,9 @@ class Follower:
         self._is_stopping = True
 
     def give_up(self) -> None:
-        """Slow down along the path and hold for good."""
+        """Slow down along the path, as fast as the joints may, and hold for good."""
         self._is_stopping = self._is_given_up = True
+        self._stop_s = _QUICKEST_STOP_S
 
     def resume(self) -> None:
         """Accelerate again along a path that `stop` has interrupted, and that was not given up."""
@@ -162,6 +167,7 @@ class Follower:
             "columns": self._columns,
             "progress": (self._s, self._rate),
             "end": (self._is_stopping, self._is_given_up),
+            "stop_s": self._stop_s,
         }
 
     def restore(self, kept: KeptPath) -> None:
@@ -170,6 +176,7 @@ class Follower:
         self._columns = kept["columns"]
         self._s, self._rate = kept["progress"]
         self._is_stopping, self._is_given_up = kept["end"]
+        self._stop_s = kept["stop_s"]
 
     def _reference(self) -> tuple[Float, Float]:
         position, velocity = self._held.copy(), np.zeros_like(self._held)
@@ -179,7 +186,7 @@ class Follower:
         return position, velocity
 
     def _room(self, path: JointTrajectory, direction: float, s: float, rate: float) -> float:
-        """Return the largest |d²s/dt²| within the acceleration limits of all joints.
+        """Return the largest |d²s/dt²| that the command and the limits of all joints allow.
 
         The direction is 1 for speeding up and −1 for slowing down.
         """
@@ -188,7 +195,7 @@ class Follower:
         curve = (path.at(s + _PROBE_S)[1] - slope) / _PROBE_S * rate**2
         moves = np.abs(slope) > 1e-9
         room = (limit - direction * np.sign(slope) * curve)[moves] / np.abs(slope[moves])
-        return float(np.clip(np.min(room, initial=1 / _QUICKEST_STOP_S), 0.0, 1 / _QUICKEST_STOP_S))
+        return float(np.clip(np.min(room, initial=1 / self._stop_s), 0.0, 1 / self._stop_s))
 
     def _check_start(self, trajectory: JointTrajectory, position: Float) -> None:
         for name, have, start in zip(

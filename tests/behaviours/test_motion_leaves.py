@@ -77,6 +77,26 @@ def test_ends_when_the_arm_has_arrived(fakes):
     assert context.plugins["robot"].stops == 0
 
 
+@pytest.mark.parametrize(
+    ("yields", "payload_kg", "is_slow"),
+    [(True, 1500.0, True), (True, 50.0, False), (True, None, False), (False, 1500.0, False)],
+)
+def test_a_stop_is_slower_with_a_load_on_supports_that_yield(fakes, yields, payload_kg, is_slow):
+    """Where nothing hangs, or the chassis is fixed to the ground, only the joints limit it."""
+    context = fakes.Context(robot=Robot())
+    machine = context.machine()
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6 if yields else None})
+    context.machine = lambda: machine.model_copy(update={"stance": stance})
+    context.payload = payload_kg
+    trajectory = turn_by(context, 0.5)
+    trajectory = replace(trajectory, velocity=np.full_like(trajectory.position, 0.25))
+    moving(context, trajectory)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    assert fakes.finish(leaf, trajectory=trajectory).success
+    (followed,) = context.plugins["robot"].commands
+    assert (0.5 < followed.stop_s <= 2.5) if is_slow else followed.stop_s == 0.0
+
+
 def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
     context = fakes.Context(robot=Robot())
     trajectory = turn_by(context, 0.5)

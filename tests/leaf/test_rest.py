@@ -53,3 +53,11 @@ def test_a_stop_may_take_twice_the_longest_of_its_joints_and_the_window():
     name = machine.arm_names[int(times_s.argmin())]
     assert stop_limit_s(machine, [name]) == pytest.approx(2 * times_s.min() + 1.0)
     assert stop_limit_s(machine, []) == 1.0
+
+
+def test_a_stop_with_a_load_on_supports_that_yield_may_take_longer():
+    machine = load_machine("m545")
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6})
+    on_legs = machine.model_copy(update={"stance": stance})
+    welded_s = stop_limit_s(machine, machine.arm_names)
+    assert stop_limit_s(on_legs, machine.arm_names) == pytest.approx(welded_s + 2.5)

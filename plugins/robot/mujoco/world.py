@@ -135,7 +135,7 @@ class World:
         """
         if self.wheels is not None:
             self.wheels.driver.check_at_rest()
-        self._follower.follow(command.trajectory, self.arm.position())
+        self._follower.follow(command.trajectory, self.arm.position(), command.stop_s)
 
     def drive(self, command: Drive) -> None:
         """Drive the chassis.

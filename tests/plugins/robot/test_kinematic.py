@@ -71,6 +71,19 @@ def test_a_stop_is_on_the_path_and_resume_goes_on_to_its_end(robot, machine):
     assert np.abs(np.diff(speeds)).max() / 0.01 < 1.1 * limit
 
 
+def test_a_stop_takes_the_time_that_the_command_asks_for_and_a_safe_stop_does_not(machine):
+    turned = {}
+    for how in ("stop", "safe_stop"):
+        robot = KinematicRobot(KinematicSettings(), machine)
+        robot.command(Follow(turn(machine, 1.0, 5.0), stop_s=2.0))
+        robot.read(2.0)
+        robot.safe_stop("a person") if how == "safe_stop" else robot.stop()
+        samples = [o for o in robot.read(8.0) if isinstance(o, JointSample)]
+        turned[how] = sum(o.of(machine.turn_joint)[1] != 0.0 for o in samples) * STEP_S
+    assert turned["stop"] == pytest.approx(2.0, abs=0.1)
+    assert turned["safe_stop"] < 1.0
+
+
 @pytest.mark.parametrize("at_s", [0.3, 1.0, 2.5, 4.0, 4.7])
 def test_after_a_pause_it_is_as_far_as_without_one(robot, machine, at_s):
     """Wherever the path was interrupted: accelerating loses as much as braking has gained."""

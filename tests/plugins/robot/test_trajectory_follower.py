@@ -102,6 +102,53 @@ def test_a_stop_in_mid_swing_is_quick(machine: Machine) -> None:
     assert shortest_s * 0.95 <= steps * DT_S <= shortest_s * 1.2
 
 
+def taken_s(machine: Machine, stop_s: float, *, is_urgent: bool = False) -> tuple[float, float]:
+    """Return how long a stop in mid-swing takes [s], and how far the joint turns meanwhile."""
+    start = machine.posture("scan")
+    follower = Follower(machine, start)
+    follower.follow(quintic(machine, start + np.eye(7)[0] * 1.5, 6.0), start, stop_s)
+    for _ in range(round(3.0 / DT_S)):
+        began, _ = follower.advance(DT_S)
+    follower.give_up() if is_urgent else follower.stop()
+    steps = 0
+    while follower.is_moving:
+        position, _ = follower.advance(DT_S)
+        steps += 1
+    return steps * DT_S, float(position[0] - began[0])
+
+
+@pytest.mark.parametrize("stop_s", [1.5, 2.4])
+def test_a_stop_takes_the_time_that_the_command_asks_for(machine: Machine, stop_s: float) -> None:
+    """The speed, 15/8 of the mean at the middle of the swing, falls a little more than evenly."""
+    seconds, turned = taken_s(machine, stop_s)
+    assert seconds == pytest.approx(stop_s, abs=2 * DT_S)
+    assert turned == pytest.approx(15 / 8 * 1.5 / 6.0 * stop_s / 2, rel=0.12)
+
+
+def test_a_time_below_what_the_joints_need_makes_a_stop_no_quicker(machine: Machine) -> None:
+    assert taken_s(machine, 0.2) == taken_s(machine, 0.0)
+
+
+def test_a_stop_for_good_is_as_quick_as_the_joints_may(machine: Machine) -> None:
+    assert taken_s(machine, 2.4, is_urgent=True) == taken_s(machine, 0.0)
+
+
+def test_a_slow_stop_goes_on_in_a_world_that_is_taken_back(machine: Machine) -> None:
+    start, left = machine.posture("scan"), []
+    follower, other = (Follower(machine, start) for _ in range(2))
+    follower.follow(quintic(machine, start + np.eye(7)[0] * 1.5, 6.0), start, 2.0)
+    for _ in range(round(3.0 / DT_S)):
+        follower.advance(DT_S)
+    follower.stop()
+    follower.advance(DT_S)
+    other.restore(follower.keep())
+    for one in (follower, other):
+        while one.is_moving:
+            position, _ = one.advance(DT_S)
+        left.append(position)
+    np.testing.assert_array_equal(*left)
+
+
 def test_joints_that_are_not_named_hold(machine: Machine) -> None:
     start = machine.posture("scan")
     follower = Follower(machine, start)

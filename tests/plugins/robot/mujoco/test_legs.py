@@ -16,6 +16,7 @@ from executive_plugins.robot.mujoco.site.settings import (
 )
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.terrain import make_terrain
+from executive_plugins.robot.mujoco.truth.ground_reaction import GroundReaction
 from executive_plugins.robot.mujoco.world import World
 
 from executive.errors import ConfigError, RobotError
@@ -23,6 +24,7 @@ from executive.geometry.pose import pose, transform
 from executive.machine.kinematics import Kinematics
 from executive.machine.lean import Lean
 from executive.machine.lift_capacity import Capacity, LiftCapacity
+from executive.machine.loaded_stop import LoadedStop
 from executive.machine.machine import Machine, load_machine
 from executive.machine.sway import Sway
 from executive.messages.command import Follow
@@ -270,3 +272,35 @@ def test_it_sways_with_the_period_that_plans_reckon_with(
     period_s = 2 * 0.01 * float(np.diff(turns[:5]).mean())
     foretold_s = Sway(machine).period_s(world.arm.position(), 0.0)
     assert foretold_s == pytest.approx(period_s, rel=0.1)
+
+
+def tipping(load_kg: float, stop_s: float) -> float:
+    """Return the largest share of tipping after a stop in the middle of a swing."""
+    machine = laden(load_machine("m545"), load_kg)
+    world = on_legs(machine)
+    q = turned(machine, np.pi / 2)
+    world.follow(Follow(path(machine, world.arm.position(), q)))
+    for _ in range(900):
+        world.step()
+    lower = q + np.array([0.0, -0.4, 0.0, 0.0, 0.0, 0.0, 0.0])
+    half = path(machine, world.arm.position(), lower)
+    down = JointTrajectory(half.names, half.times_s / 2, half.position, 2 * half.velocity)
+    world.follow(Follow(down, stop_s))
+    for _ in range(120):
+        world.step()
+    world.stop()
+    reaction, most = GroundReaction(machine, world.model), 0.0
+    for _ in range(250):
+        world.step()
+        most = max(most, reaction.share(world.model, world.data))
+    return most
+
+
+def test_a_stop_that_spares_the_machine_tips_it_less_than_a_quick_one() -> None:
+    """The gripper is stopped on its way down, at 0.8 m/s, with 0.6 t at the side."""
+    machine, load_kg = laden(load_machine("m545"), 600.0), 600.0
+    q = turned(machine, np.pi / 2)
+    down = path(machine, q, q - 0.4 * np.eye(7)[1])
+    stop_s = LoadedStop(machine).least_s(down.position, 2 * down.velocity, 0.0)
+    assert 0.7 < stop_s < 1.5
+    assert tipping(load_kg, stop_s) < 0.8 * tipping(load_kg, 0.0)
