@@ -36,9 +36,10 @@ from executive.messages.hold import Hold
 from executive.messages.stone import Stone
 from executive.messages.weight import Weight
 
-# A machine on its legs sinks under what it lifts, by up to half of the height. The first lift takes
-# the load on, so the second one hardly sinks; a third is for a stone that the ground has borne
-# until then. What holds back a machine that cannot sink is the stone, and it is not pulled again.
+# A machine on its legs sinks under what it lifts, by up to half of the height. Where that is much,
+# the first lift takes the load on, so the second one hardly sinks; a third is for a stone that the
+# ground has borne until then. What holds back a machine that cannot sink is the stone, and it is
+# not pulled again.
 _LIFTS, _SUNK = 3, 0.25  # most lifts; share of the height that may be missing
 _HIGHER = 0.5  # share of the height by which a stone is raised that is weighed once more
 
@@ -102,16 +103,36 @@ class TrialLift(Action[TrialLiftSettings]):
         """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
+        stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         lifted = succeeded()
-        for _ in range(_LIFTS if self.context.machine().stance.is_free else 1):
+        for lift in range(_LIFTS if self.context.machine().stance.is_free else 1):
             way_m = self.settings.height - risen_m(self.context, hold)
             if way_m <= _SUNK * self.settings.height or not lifted.success:
                 break
+            if lift == 0:
+                way_m = self._first_m(way_m, stone.mass_kg)
             plan = yield from way_up(self.context, hold, way_m)
             if plan.trajectory is None:
                 return succeeded(reason=f"not tried, no path up: {plan.reason}")
-            lifted = yield from follow(self.context, plan.trajectory)
+            lifted = yield from follow(self.context, plan.trajectory, stone.mass_kg)
         return (yield from self._weighed(hold, lifted))
+
+    def _first_m(self, way_m: float, mass_kg: float) -> float:
+        """Return how far the first lift goes [m]: the way up, and what the machine sinks by.
+
+        A load that comes on at once makes it sway. Where it sinks by much, or where twice the load
+        would tip it, the first lift only takes the load on: averaged over the period of the sway,
+        it leaves none.
+        """
+        machine, q = self.context.machine(), self.context.arm()
+        if machine.stance.support_n_m is None:
+            return way_m
+        from executive.machine.sway import Sway  # reading a mission imports no kinematics
+        from executive.machine.tipping_moment import TippingMoment
+
+        sunk_m = Sway(machine).sink_m(q, mass_kg)
+        may_tip = TippingMoment(machine).holding_nm(q, 2 * mass_kg).min() < 0.0
+        return sunk_m if may_tip or sunk_m > _SUNK * self.settings.height else way_m + sunk_m
 
     def _weighed(self, hold: Hold, lifted: Outcome[None]) -> Steps[None]:
         """Wait, weigh the stone meanwhile, and judge it by that, and by how the arm got up."""

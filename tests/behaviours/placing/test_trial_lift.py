@@ -9,6 +9,7 @@ from executive.behaviours.trial_lift import TrialLift
 from executive.events.stone import StoneNotLifted
 from executive.geometry.pose import pose
 from executive.interfaces.motion import MotionPlanner
+from executive.machine.sway import Sway
 from executive.messages.command import Follow
 from executive.messages.request import MotionPlan
 from executive.messages.stone import StoneState
@@ -236,6 +237,27 @@ def test_a_machine_that_sinks_under_the_load_lifts_on_up_to_three_times(stage, w
     assert len(asked) == lifts
     if lifts == 2:
         np.testing.assert_allclose(asked, [0.2, 0.2 * (1 - 0.4)])
+
+
+@pytest.mark.parametrize(("share", "is_taken_on"), [(0.1, False), (1.0, True)])
+def test_a_heavy_load_is_taken_on_before_it_is_lifted(stage, world, database, share, is_taken_on):
+    """A light one is lifted at once, by the way and by what the machine sinks by."""
+    machine = world.leaf_context.machine()
+    sideways = machine.posture("carry")
+    sideways[machine.arm_names.index(machine.turn_joint)] = np.pi / 2
+    world.leaf_context.positions = lambda time_s: sideways
+    planned(stage, world, rises=[0.0, 1.0] if is_taken_on else [0.95])
+    on_legs = machine.stance.model_copy(update={"is_free": True, "support_n_m": 2e6})
+    machine = machine.model_copy(update={"stance": on_legs})
+    world.leaf_context.machine = lambda: machine
+    kg = share * 2500.0
+    database.weigh(1, Weight(kg, 20.0), 1.0)
+    world.leaf_context.payload = kg
+    sunk_m = Sway(machine).sink_m(world.leaf_context.arm(), kg)
+    assert 0.0 < sunk_m < 0.1
+    assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
+    asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
+    np.testing.assert_allclose(asked, [sunk_m, 0.2] if is_taken_on else [0.2 + sunk_m])
 
 
 def swaying(world, level_kg, amplitude, phase, period_s=1.0):
