@@ -120,6 +120,7 @@ class TrialLift(Action[TrialLiftSettings]):
     def _first_m(self, way_m: float, mass_kg: float) -> float:
         """Return how far the first lift goes [m]: the way up, and what the machine sinks by.
 
+        Jaws that close on a stone may push it up before, as less than nothing hangs in them then.
         A load that comes on at once makes it sway. Where it sinks by much, or where twice the load
         would tip it, the first lift only takes the load on: averaged over the period of the sway,
         it leaves none.
@@ -130,9 +131,11 @@ class TrialLift(Action[TrialLiftSettings]):
         from executive.machine.sway import Sway  # reading a mission imports no kinematics
         from executive.machine.tipping_moment import TippingMoment
 
-        sunk_m = Sway(machine).sink_m(q, mass_kg)
+        sway, hangs_kg = Sway(machine), self.context.payload_kg() or 0.0
+        sunk_m = max(sway.sink_m(q, mass_kg) - sway.sink_m(q, hangs_kg), 0.0)
         may_tip = TippingMoment(machine).holding_nm(q, 2 * mass_kg).min() < 0.0
-        return sunk_m if may_tip or sunk_m > _SUNK * self.settings.height else way_m + sunk_m
+        is_much = sunk_m > _SUNK * self.settings.height
+        return sunk_m if is_much or (may_tip and sunk_m > 0.0) else way_m + sunk_m
 
     def _weighed(self, hold: Hold, lifted: Outcome[None]) -> Steps[None]:
         """Wait, weigh the stone meanwhile, and judge it by that, and by how the arm got up."""

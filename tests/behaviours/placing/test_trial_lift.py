@@ -250,14 +250,42 @@ def test_a_heavy_load_is_taken_on_before_it_is_lifted(stage, world, database, sh
     on_legs = machine.stance.model_copy(update={"is_free": True, "support_n_m": 2e6})
     machine = machine.model_copy(update={"stance": on_legs})
     world.leaf_context.machine = lambda: machine
-    kg = share * 2500.0
+    kg, motion = share * 2500.0, plugins(world)["motion"]
     database.weigh(1, Weight(kg, 20.0), 1.0)
-    world.leaf_context.payload = kg
+    world.leaf_context.payload_kg = lambda: kg if motion.calls("move") else 0.0
     sunk_m = Sway(machine).sink_m(world.leaf_context.arm(), kg)
     assert 0.0 < sunk_m < 0.1
     assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
     asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
     np.testing.assert_allclose(asked, [sunk_m, 0.2] if is_taken_on else [0.2 + sunk_m])
+
+
+def test_a_load_that_hangs_already_is_not_taken_on_again(stage, world, database):
+    machine = world.leaf_context.machine()
+    on_legs = machine.stance.model_copy(update={"is_free": True, "support_n_m": 2e6})
+    world.leaf_context.machine = lambda: machine.model_copy(update={"stance": on_legs})
+    planned(stage, world)
+    database.weigh(1, Weight(2500.0, 20.0), 1.0)
+    world.leaf_context.payload = 2600.0
+    assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
+    (asked,) = plugins(world)["motion"].calls("move")
+    assert asked["request"].leave_m == 0.2
+
+
+def test_a_machine_that_its_jaws_have_pushed_up_sinks_by_that_too(stage, world, database):
+    machine = world.leaf_context.machine()
+    on_legs = machine.stance.model_copy(update={"is_free": True, "support_n_m": 2e6})
+    machine = machine.model_copy(update={"stance": on_legs})
+    world.leaf_context.machine = lambda: machine
+    planned(stage, world)
+    database.weigh(1, Weight(1000.0, 20.0), 1.0)
+    motion, sway, q = plugins(world)["motion"], Sway(machine), world.leaf_context.arm()
+    world.leaf_context.payload_kg = lambda: 1000.0 if motion.calls("move") else -4000.0
+    assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
+    asked = plugins(world)["motion"].calls("move")[0]["request"].leave_m
+    pushed_m = -sway.sink_m(q, -4000.0)
+    assert pushed_m > 2 * sway.sink_m(q, 1000.0)
+    assert asked == pytest.approx(0.2 + sway.sink_m(q, 1000.0) + pushed_m)
 
 
 def swaying(world, level_kg, amplitude, phase, period_s=1.0):
