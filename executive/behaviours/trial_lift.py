@@ -14,6 +14,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
+from executive.leaf.calm import calm
 from executive.leaf.claims import Part
 from executive.leaf.follow import follow
 from executive.leaf.job import Job
@@ -86,9 +87,9 @@ class TrialLift(Action[TrialLiftSettings]):
     later, 34 were placed, of 2,720 others 86 %. Without a monitor that weighs, it only waits.
 
     A machine on its legs sinks under the load, by up to a decimetre: it lifts on until the gripper
-    is as high in the map. An arm that is held back on its way up is told as such only if the whole
-    stone hangs: jaws that close on a stone that widens towards the ground slide up on it, and press
-    it down.
+    is as high in the map, and waits at the end while it sways so far that it might tip as it moves.
+    An arm that is held back on its way up is told as such only if the whole stone hangs: jaws that
+    close on a stone that widens towards the ground slide up on it, and press it down.
     """
 
     needs = (Robot, Mapper, MotionPlanner, ObjectDatabase, Monitor)
@@ -154,6 +155,7 @@ class TrialLift(Action[TrialLiftSettings]):
             return failed(told)
         if not lifted.success:
             return lifted
+        yield from calm(self.context, weight.mass_kg)
         self.context.begin_carry()
         self.context.carry_over((yield from self._below(hold)))
         return succeeded(reason=f"it hangs {up_m:.2f} m up with {weight}")
