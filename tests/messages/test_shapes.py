@@ -16,7 +16,7 @@ from executive.errors import DataError, ShapeError
 from executive.geometry.polygon import Box
 from executive.messages.alignment import Alignment, Rival, Uncertainty
 from executive.messages.base_state import BaseState
-from executive.messages.building import BuildTarget, StandingStone
+from executive.messages.building import BuildTarget, FailedRelease, StandingStone
 from executive.messages.cloud import Cloud
 from executive.messages.drive import BasePath, DriveRequest
 from executive.messages.gnss import GnssFix
@@ -212,6 +212,11 @@ MESSAGES: dict[type, Callable[[], dict[str, object]]] = {
     StandingStone: lambda: {
         "stone": SolidStone(**MESSAGES[SolidStone]()),
         "T_map_stone": T.copy(),
+    },
+    FailedRelease: lambda: {
+        "at_map": np.array([1.0, 2.0]),
+        "radius_m": 0.4,
+        "supports": frozenset({"corner"}),
     },
     BuildTarget: lambda: {
         "stone": "corner",
