@@ -154,9 +154,10 @@ class HoldSignals:
         """Return whether something may carry the stone.
 
         That is so if the gripper has sunk recently, or presses on what is below it, and never where
-        the stone is known to be far above all that was seen below it.
+        the stone is known to be far above all that was seen below it. One that has slipped hangs
+        lower than its model says, by how much is not known.
         """
-        if self.below is not None:
+        if self.below is not None and not self.has_slipped:
             clearance_m = self.below.clearance_m(self._scale.gripper(self._q))
             if clearance_m > _CLEAR_M:
                 self._sank_s = -np.inf

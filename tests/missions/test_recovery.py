@@ -13,7 +13,7 @@ from executive.messages.command import MoveJaws
 
 pytestmark = pytest.mark.mission
 
-CARRIED_S = 8.0  # after the grasp: the stone was seen in the jaws, and is on its way
+CARRIED_S = 9.0  # after the grasp: the stone was seen in the jaws, and is on its way
 WET = (0.05, 0.005)  # friction of steel on a wet stone: Coulomb's, and torsional [m]
 SLIPPED_M = 0.03  # twice what counts as a slip; the stone is still in the jaws
 FORCE_N = 20e3

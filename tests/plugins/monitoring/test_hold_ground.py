@@ -116,6 +116,17 @@ def test_what_leaves_the_jaws_far_above_the_ground_has_fallen(
     assert all(one.stamp_s <= sinking_s + 0.5 for one in told)
 
 
+def test_a_stone_that_has_slipped_may_meet_the_ground_wherever_it_was_to_be(watch) -> None:
+    """It hangs lower than its model: nobody knows any more how far above the ground it is."""
+    carry = lowered()
+    carry.jaw -= 0.03 * carry.after(5.0, 0.3)
+    carry.weight *= 1 - carry.after(7.0, 0.2)
+    below = GroundBelow(np.array([-20.0, -20.0]), np.full((160, 160), -5.0), 0.5)
+    told, monitor = watch(carry, carried_s=4.0, below=below)
+    assert only(told).trouble is Trouble.SLIP
+    assert monitor.standing() > 0.95
+
+
 def test_ground_that_was_not_seen_may_carry_a_stone(watch) -> None:
     carry = lowered()
     carry.weight *= 1 - carry.after(7.0, 0.2)
