@@ -95,6 +95,7 @@ class Mission(NodeRuntime):
             self._safe_stop("the run was ended at once")
             raise
         finally:
+            self.memory.leave_past()
             self._halt(self.root)  # a leaf's clean-up needs the robot
         self.pause.leave()
         if self._ending.is_fault:

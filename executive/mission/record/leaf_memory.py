@@ -60,7 +60,7 @@ class LeafMemory(Memory):
         self._draws: dict[str, Draws] = {}
         self._visits: Counter[str] = Counter()
         self._tick = -1
-        self._is_live = False
+        self._is_live = self._is_left = False
         self._told: dict[str, Mapping[str, Any]] = {}  # the newest answer of each condition
         self.history: History | None = None
         self.has_answered = False
@@ -82,6 +82,12 @@ class LeafMemory(Memory):
     def is_past(self) -> bool:
         """Whether the past is being followed."""
         return self.history is not None and not self.history.is_over
+
+    def leave_past(self) -> None:
+        """Follow the past no further: a mission that ends before its past has been followed cancels
+        nodes that had gone on then, and nothing of that is recorded.
+        """
+        self._is_left = True
 
     def begin_tick(self, tick: int) -> None:
         """Begin a tick of the tree."""
@@ -124,6 +130,8 @@ class LeafMemory(Memory):
         """
         if not self.is_past or self.history is None or not is_of_tree(node, event):
             return False
+        if self._is_left:
+            return True
         self.history.compare(node, event)
         return True
 

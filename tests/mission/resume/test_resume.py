@@ -10,8 +10,9 @@ from toy_plugins import ToyRobot
 from executive import registry
 from executive.errors import ConfigError, DataError
 from executive.events.mission import Resumed, WorldObserved
-from executive.events.node import LeafTakenUp
+from executive.events.node import LeafAnswered, LeafTakenUp
 from executive.journal import read_journal
+from executive.mission.mission import Mission
 from executive.mission.options import Options
 from executive.mission.resume import resumed_run
 from executive.mission.run import Run
@@ -93,6 +94,15 @@ def test_a_run_is_cut_off_again_and_again(tmp_path):
         folder = copy
     assert resumed_run(folder).execute(lambda mission: None).report.counts.scans == 2
     assert len(events(folder, Resumed)) == 4
+
+
+def test_a_resumed_run_can_be_stopped_before_it_has_followed_its_past(cuts, tmp_path):
+    """In the tick in which it was cut off Localise had answered; the tree still waits for it."""
+    entries = read_journal(cuts[0].parent / "run" / "journal.jsonl")
+    last = next(e.tick for e in entries if isinstance(e.event, LeafAnswered))
+    (folder,) = cut_at(tmp_path, DRY, (last + 1,))
+    result = resumed_run(folder).execute(Mission.request_stop)
+    assert (result.report.outcome, result.report.reason) == ("stopped", "stopped by the operator")
 
 
 def test_what_was_under_way_is_taken_up_by_its_leafs_policy(tmp_path):
