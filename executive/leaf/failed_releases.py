@@ -61,7 +61,7 @@ def failed_releases(
 def _as_it_stood(
     one: StandingStone, history: Sequence[StoneEvent], stamp_s: float
 ) -> StandingStone | None:
-    """Return a stone as it was placed at a time; None if it was not, or lay within by itself."""
+    """Return a stone where it was placed at a time; None if it was not placed then."""
     before = [event for event in history if event.stamp_s < stamp_s]
     if not before or before[-1].state is not StoneState.PLACED:
         return None

@@ -29,7 +29,7 @@ def follow(
     Args:
         context: The leaf's view of the mission.
         trajectory: The motion.
-        load_kg: What may come to hang in the jaws on the way, beside what hangs there now [kg].
+        load_kg: What may come to hang in the jaws on the way, where that is more than now [kg].
     """
     robot = context.use(Robot)
     away = np.abs(position_of(context, trajectory) - trajectory.position[0])

@@ -14,7 +14,7 @@ def least_stop_s(context: Context, trajectory: JointTrajectory, load_kg: float) 
     Args:
         context: The leaf's view of the mission, before the motion begins.
         trajectory: The motion.
-        load_kg: What may come to hang in the jaws on the way, beside what is weighed now [kg].
+        load_kg: What may come to hang in the jaws on the way, where that is more than now [kg].
 
     Returns:
         0, so that only the joints limit it, without a load and on a base that does not yield.

@@ -20,24 +20,11 @@ class JawMotion:
 
     def __init__(self, settings: HoldStateSettings) -> None:
         self._settings = settings
-        # (stamp [s], opening [m]) over the settings' window.
-        self._openings: deque[tuple[float, float]] = deque()
+        # (stamp [s], opening [m], how far they have just opened [m]) over the settings' window.
+        self._openings: deque[tuple[float, float, float]] = deque()
         self._first_m: float | None = None  # at the start, taken again once the stone has settled
         self._settled_s = np.inf  # time at which the stone will have settled in the lift
         self.has_settled = False
-
-    def forced(self, std_m: float) -> Signal:
-        """Return the largest quick opening in the settings' window as a share of half of a slip.
-
-        A settled stone opens the jaws by less than 1 mm in that time (29 carries); one that slides
-        by jerks forces them apart by half of a slip and more, and may rest in between.
-        """
-        limit_m = _QUICK * self._settings.slip
-        openings, widest_m = tuple(self._openings), 0.0
-        for i, (now_s, opening_m) in enumerate(openings):
-            recent = (o for t, o in openings[:i] if now_s - t < _QUICK_S)
-            widest_m = max(widest_m, opening_m - min(recent, default=opening_m))
-        return Signal(widest_m / limit_m, std_m / limit_m)
 
     @property
     def held_m(self) -> float:
@@ -60,14 +47,26 @@ class JawMotion:
         if now_s >= self._settled_s:
             self.settle()
         self._first_m = opening_m if self._first_m is None else self._first_m
-        self._openings.append((now_s, opening_m))
+        recent_m = (o for t, o, _ in self._openings if now_s - t < _QUICK_S)
+        quick_m = max(opening_m - min(recent_m, default=opening_m), 0.0)
+        self._openings.append((now_s, opening_m, quick_m))
         while now_s - self._openings[0][0] > s.window:
             self._openings.popleft()
         since_start_m = self._first_m - opening_m
-        least_m, most_m = (f(o for _, o in self._openings) for f in (min, max))
+        least_m, most_m = (f(o for _, o, _ in self._openings) for f in (min, max))
         widened = Signal((opening_m - least_m) / s.slip, std_m / s.slip)
         if not self.has_settled:
             return Signal(since_start_m / s.lift_slip, std_m / s.lift_slip), widened
         by_window, by_creep = (most_m - opening_m) / s.slip, since_start_m / s.creep
         worse, limit_m = max((by_window, s.slip), (by_creep, s.creep))
         return Signal(worse, std_m / limit_m), widened
+
+    def forced(self, std_m: float) -> Signal:
+        """Return the largest quick opening in the settings' window as a share of half of a slip.
+
+        A settled stone opens the jaws by less than 1 mm in that time (29 carries); one that slides
+        by jerks forces them apart by half of a slip and more, and may rest in between.
+        """
+        limit_m = _QUICK * self._settings.slip
+        widest_m = max((quick_m for _, _, quick_m in self._openings), default=0.0)
+        return Signal(widest_m / limit_m, std_m / limit_m)

@@ -8,21 +8,7 @@ from executive.geometry.rotation import from_rpy
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.lean import Lean
-from executive.machine.machine import Machine, load_machine
-
-M545 = load_machine("m545")
-STIFFNESS_N_M = 2e6
-
-
-def yielding(stiffness_n_m: float | None) -> Machine:
-    stance = M545.stance.model_copy(update={"support_n_m": stiffness_n_m})
-    return M545.model_copy(update={"stance": stance})
-
-
-def turned(angle_rad: float) -> np.ndarray:
-    q = M545.posture("carry").copy()
-    q[M545.arm_names.index(M545.turn_joint)] += angle_rad
-    return q
+from tests.machine.yielding_machine import M545, STIFFNESS_N_M, turned, yielding
 
 
 def test_a_machine_of_unknown_stiffness_leans_nowhere() -> None:
