@@ -136,21 +136,15 @@ class SeeHeld(Action[SeeHeldSettings]):
         model = held_surface(self.context, hold)
         look = yield from self._seen(hold, model, view)
         found = self._found(look.aligned, model)
-        self._record(hold, look.aligned, found, len(view))
-        if found is None and look.is_otherwise:
-            return failed(
-                f"stone {hold.stone_id} does not lie in the jaws as expected, and how it lies is "
-                f"not known: {look.aligned.reason}"
-            )
+        refused = self._refused(hold, look, found)
+        self._record(hold, look.aligned, found, len(view), refused)
+        if found is not None:
+            self._correct(hold, found)
+        if refused:
+            return failed(refused)
         if found is None:
             told = f"kept the expected pose of stone {hold.stone_id}: {look.aligned.reason}"
             return succeeded(reason=told)
-        self._correct(hold, found)
-        if found.turn_rad > self.settings.max_turn:
-            return failed(
-                f"stone {hold.stone_id} has turned in the jaws by {np.degrees(found.turn_rad):.0f}°"
-                f", and at most {np.degrees(self.settings.max_turn):.0f}° is carried on"
-            )
         return succeeded(
             reason=f"{100 * found.shift_m:.1f} cm and {np.degrees(found.turn_rad):.1f}° from where "
             f"it was expected, ± {100 * found.position_std_m:.1f} cm and "
@@ -234,6 +228,20 @@ class SeeHeld(Action[SeeHeldSettings]):
             T_model, aligned.uncertainty, model.mean(axis=0), s.position_std, s.rotation_std
         )
 
+    def _refused(self, hold: Hold, look: Look, found: HeldPose | None) -> str:
+        """Return why the stone is not carried on as it lies in the jaws; empty if it is."""
+        if found is None and look.is_otherwise:
+            return (
+                f"stone {hold.stone_id} does not lie in the jaws as expected, and how it lies is "
+                f"not known: {look.aligned.reason}"
+            )
+        if found is not None and found.turn_rad > self.settings.max_turn:
+            return (
+                f"stone {hold.stone_id} has turned in the jaws by {np.degrees(found.turn_rad):.0f}°"
+                f", and at most {np.degrees(self.settings.max_turn):.0f}° is carried on"
+            )
+        return ""
+
     def _correct(self, hold: Hold, found: HeldPose) -> None:
         """Move the stone in the database, which has it where the jaws closed."""
         T_map_map = hold.T_map_gripper @ found.T_gripper_gripper @ inverse(hold.T_map_gripper)
@@ -243,7 +251,9 @@ class SeeHeld(Action[SeeHeldSettings]):
         T_now_then = self.context.gripper() @ inverse(hold.T_map_gripper)
         self.context.show("held", Cloud("map", transform(T_now_then, stone.points_map)))
 
-    def _record(self, hold: Hold, aligned: Alignment, found: HeldPose | None, points: int) -> None:
+    def _record(
+        self, hold: Hold, aligned: Alignment, found: HeldPose | None, points: int, refused: str
+    ) -> None:
         self.context.record(
             StoneSeenInJaws(
                 stone=hold.stone_id,
@@ -254,6 +264,7 @@ class SeeHeld(Action[SeeHeldSettings]):
                 turn_rad=None if found is None else found.turn_rad,
                 position_std_m=None if found is None else found.position_std_m,
                 rotation_std_rad=None if found is None else found.rotation_std_rad,
+                refused=refused,
             )
         )
 

@@ -172,6 +172,7 @@ class StoneSeenInJaws(Event):
         position_std_m: Standard deviation of its position along the least certain axis [m]; None
             if it was kept.
         rotation_std_rad: The same of its rotation [rad]; None if it was kept.
+        refused: Why the stone is not carried on as it lies in the jaws; empty if it is.
     """
 
     stone: int
@@ -182,6 +183,7 @@ class StoneSeenInJaws(Event):
     turn_rad: float | None
     position_std_m: float | None
     rotation_std_rad: float | None
+    refused: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,7 +25,8 @@ class AttemptReport:
 
     Attributes:
         grasp: The grasp.
-        outcome: How it ended: `placed`, `empty`, `not lifted`, `slip`, `drop`, `off` and so on.
+        outcome: How it ended: `placed`, `empty`, `not lifted`, `shifted`, `slip`, `drop`,
+            `off` and so on.
         reason: Why, for a person.
         started_s: Mission time of its begin [s].
         ended_s: Mission time of its end [s].

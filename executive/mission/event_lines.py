@@ -93,6 +93,8 @@ def _of_sighting(event: Event) -> str:
         case stone.StoneRealigned():
             result = "realigned" if event.accepted else f"not realigned: {event.reason}"
             return f"stone {event.stone}: {result}"
+        case stone.StoneSeenInJaws() if event.refused:
+            return f"not carried on: {event.refused}"
         case stone.StoneSeenInJaws():
             result = f"kept as expected: {event.reason}"
             if event.shift_m is not None and event.turn_rad is not None:

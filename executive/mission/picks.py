@@ -15,6 +15,7 @@ from executive.events.stone import (
     StoneNotLifted,
     StoneRealigned,
     StoneReleased,
+    StoneSeenInJaws,
     StoneSetAside,
     StonesTakenUpAgain,
     StoneWeighed,
@@ -25,7 +26,7 @@ from executive.messages.verdict import Trouble
 from executive.mission.event_lines import hanging
 
 _UNFINISHED, _PLACED, _RELEASED = "unfinished", "placed", "released, not verified"
-NOT_LIFTED = "not lifted"
+NOT_LIFTED, SHIFTED = "not lifted", "shifted"
 
 
 @dataclass(slots=True)
@@ -145,10 +146,8 @@ class Picks:
                     event.stone, time_s, event.grasp, (x, y, z), time_s, success=event.success
                 )
                 self._pick_of(event.stone).tries.append(self._current)
-            case JawsClosedOnNothing():
-                self._end(time_s, "empty", event.reason)
-            case StoneNotLifted():
-                self._end(time_s, NOT_LIFTED, hanging(event))
+            case JawsClosedOnNothing() | StoneNotLifted() | StoneSeenInJaws():
+                self._take_hold(time_s, event)
             case VerdictGiven():
                 self._take_verdict(time_s, event)
             case StoneReleased():
@@ -206,6 +205,18 @@ class Picks:
         if event.rule == "correct" and pick.tries:
             pick.released = None
             pick.tries[-1].outcome, pick.tries[-1].reason = event.seen, event.reason
+
+    def _take_hold(
+        self, time_s: float, event: JawsClosedOnNothing | StoneNotLifted | StoneSeenInJaws
+    ) -> None:
+        """Take how the jaws hold the stone; what is not carried on ends the attempt."""
+        match event:
+            case JawsClosedOnNothing():
+                self._end(time_s, "empty", event.reason)
+            case StoneNotLifted():
+                self._end(time_s, NOT_LIFTED, hanging(event))
+            case StoneSeenInJaws() if event.refused:
+                self._end(time_s, SHIFTED, event.refused)
 
     def _take_verdict(self, time_s: float, event: VerdictGiven) -> None:
         current = self._current

@@ -85,6 +85,9 @@ LINES = {
     "stone 4: not realigned: no overlap": realigned(False, "no overlap"),
     "stone 4: in the jaws 4.6 cm and 0.12 rad off": in_jaws(0.0456, 0.123),
     "stone 4: in the jaws kept as expected: too few points": in_jaws(None, None),
+    "not carried on: stone 4 has turned": stone.StoneSeenInJaws(
+        4, False, "too few points", 9, None, None, None, None, "stone 4 has turned"
+    ),
     "stone 4: weighs 812 ± 15 kg": stone.StoneWeighed(4, 812.3, 14.6),
     "stone 4: lost, it fell": stone.StoneLost(4, "it fell"),
     "drop: 900 kg gone": mission.VerdictGiven("scale", Trouble.DROP, "900 kg gone"),

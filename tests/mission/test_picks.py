@@ -17,6 +17,7 @@ from executive.events.stone import (
     StoneNotLifted,
     StoneRealigned,
     StoneReleased,
+    StoneSeenInJaws,
     StoneSetAside,
     StoneSoughtAgain,
     StonesTakenUpAgain,
@@ -110,6 +111,22 @@ def test_a_trial_lift_that_found_no_hanging_stone_is_how_an_attempt_ended():
     ((only,),) = (pick.as_report().attempts for pick in Account.of(story).picks())
     assert (only.outcome, only.ended_s) == ("not lifted", 27)
     assert only.reason == "900 of at least 1400 kg hang in the jaws"
+
+
+def test_a_stone_that_a_look_found_shifted_in_the_jaws_is_how_an_attempt_ended():
+    told = "stone 1 does not lie in the jaws as expected"
+    refused = StoneSeenInJaws(1, False, "rmse 5 cm", 9, None, None, None, None, told)
+    fall = verdict(Trouble.DROP, "gone")
+    story = journal_of((10, attempt(1)), (20, grasped(1)), (25, refused), (27, fall))
+    ((only,),) = (pick.as_report().attempts for pick in Account.of(story).picks())
+    assert (only.outcome, only.reason) == ("shifted", told)
+
+
+def test_a_look_at_a_stone_that_is_carried_on_ends_no_attempt():
+    kept = StoneSeenInJaws(1, False, "rmse 5 cm", 9, None, None, None, None)
+    story = journal_of((10, attempt(1)), (20, grasped(1)), (25, kept), (40, attempt(1)))
+    first, _ = next(pick.as_report().attempts for pick in Account.of(story).picks())
+    assert (first.outcome, first.reason) == ("unfinished", "")
 
 
 def test_a_slip_of_the_next_attempt_is_another_one():

@@ -87,7 +87,8 @@ def test_a_view_of_another_form_is_not_the_stone(stage, world, database):
     assert ended.reason.startswith(told)
     assert "of what is seen in the jaws has the form of the stone" in ended.reason
     np.testing.assert_array_equal(database.stone(1).T_map_object, before)
-    assert [(one.accepted, one.shift_m) for one in ended.events] == [(False, None)]
+    told = [(one.accepted, one.shift_m, one.refused) for one in ended.events]
+    assert told == [(False, None, ended.reason)]
 
 
 def test_a_view_that_is_refused_keeps_the_expected_pose(stage, world, database):
@@ -97,7 +98,8 @@ def test_a_view_that_is_refused_keeps_the_expected_pose(stage, world, database):
     assert ended.status == "SUCCESS"
     assert ended.reason == "kept the expected pose of stone 1: rmse 5 cm above 4"
     np.testing.assert_array_equal(database.stone(1).T_map_object, before)
-    assert [(one.accepted, one.shift_m) for one in ended.events] == [(False, None)]
+    told = [(one.accepted, one.shift_m, one.refused) for one in ended.events]
+    assert told == [(False, None, "")]
 
 
 def test_a_stone_that_cannot_be_raised_is_not_looked_at(world, database):

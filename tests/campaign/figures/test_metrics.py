@@ -355,7 +355,15 @@ def test_no_attempt_is_lifted_or_held_where_none_was_made() -> None:
 
 @pytest.mark.parametrize(
     ("outcome", "missed"),
-    [("drop", 0), ("slip", 0), ("empty", 0), ("not lifted", 0), ("placed", 1), ("unfinished", 1)],
+    [
+        ("drop", 0),
+        ("slip", 0),
+        ("empty", 0),
+        ("not lifted", 0),
+        ("shifted", 0),
+        ("placed", 1),
+        ("unfinished", 1),
+    ],
 )
 def test_a_fall_is_missed_unless_its_attempt_ended_for_it(outcome: str, missed: int) -> None:
     """A stone that falls in its trial lift is told as one that does not hang."""

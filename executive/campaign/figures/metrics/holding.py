@@ -6,11 +6,11 @@ from executive.campaign.figures.metrics.report import attempts
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
 from executive.interfaces.truth import TrueGrasp
 from executive.messages.verdict import Trouble
-from executive.mission.picks import NOT_LIFTED
+from executive.mission.picks import NOT_LIFTED, SHIFTED
 
 # Each ends the attempt. A stone that falls in its trial lift is told as one that does not hang, and
 # one that slips out as the jaws close, as jaws that have closed on nothing.
-_NOTICED = (Trouble.DROP, Trouble.SLIP, Trouble.EMPTY, NOT_LIFTED)
+_NOTICED = (Trouble.DROP, Trouble.SLIP, Trouble.EMPTY, NOT_LIFTED, SHIFTED)
 
 
 class Lifted(Metric):
@@ -46,8 +46,8 @@ class DropsFound(Metric):
     title = "drops found"
     is_share = True
     description = (
-        "Attempts that the mission ended with the outcome `drop`, `slip`, `empty` or `not lifted`,"
-        " out of those whose stone fell by the simulator's truth."
+        "Attempts that the mission ended with the outcome `drop`, `slip`, `empty`, `not lifted` or"
+        " `shifted`, out of those whose stone fell by the simulator's truth."
     )
 
     def measure(self, run: RunRecord) -> Share | None:
@@ -65,7 +65,8 @@ class DropsMissed(Metric):
     is_more_better = False
     description = (
         "Number of attempts in a run whose stone fell by the simulator's truth, and which the"
-        " mission ended with another outcome than `drop`, `slip`, `empty` or `not lifted`."
+        " mission ended with another outcome than `drop`, `slip`, `empty`, `not lifted` or"
+        " `shifted`."
     )
 
     def measure(self, run: RunRecord) -> Values | None:

@@ -19,7 +19,7 @@ from executive.campaign.reporting.journal_line import leaf_name
 from executive.events.node import NodeEnded, NodeStarted
 from executive.interfaces.report import PickReport
 from executive.journal import Entry
-from executive.mission.picks import NOT_LIFTED
+from executive.mission.picks import NOT_LIFTED, SHIFTED
 
 _UNFINISHED = "unfinished"
 _COLOURS = {
@@ -30,6 +30,7 @@ _COLOURS = {
     "drop": BAD,
     "empty": TAIL,
     NOT_LIFTED: TAIL,
+    SHIFTED: TAIL,
     "halted": SOFT,
     _UNFINISHED: SOFT,
 }
