@@ -4,6 +4,9 @@
     python docs/hold_pictures.py runs/wet 2 80 120 docs/images/fall_found.png
     executive run pick_and_place --seed 26120501 --run-dir runs/slip
     python docs/hold_pictures.py runs/slip 4 194 250 docs/images/slip_caught.png
+    executive run pick_and_place --seed 26132060 --stones FLAT_SCANS \\
+        --set robot.site.stones.scale=10 --run-dir runs/flat
+    python docs/hold_pictures.py runs/flat 4 121 172 docs/images/placement_corrected.png
 
 Each outline is the stone's known surface at the pose that the machine took it to have after an
 event: expected where nothing but the gripper's motion tells, measured where it was seen.
