@@ -6,15 +6,16 @@ import numpy as np
 
 from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
-from executive.leaf.loaded_stop import least_stop_s
+from executive.leaf.loaded_stop import least_stop_s, unloaded_stop_s
 from executive.leaf.outcome import Outcome, failed, succeeded
-from executive.messages.command import START_TOLERANCE, Follow
+from executive.messages.command import START_TOLERANCE, Follow, LimitStop
 from executive.messages.trajectory import JointTrajectory
 
 _SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
 _GOAL_TOLERANCE = 0.02  # [rad] or [m]: largest lasting error of a servo under load
 _STALL_S = 2.0  # at rest away from the goal for so long: something blocks the arm
 _STALL_SPEED = 0.005  # [rad/s] or [m/s]
+_STANDS = 0.95  # probability that the ground carries the load from which it presses on nothing else
 _START_SHARE = 0.9  # of the robot's own tolerance, which it compares with a later sample
 
 
@@ -24,7 +25,8 @@ def follow(
     """Command a trajectory and wait for its end; when cancelled, stop along the path.
 
     Fails without moving if the arm is not where the trajectory begins: a load that slips can push
-    it after planning. With a load on supports that yield, a stop is no quicker than they bear.
+    it after planning. With a load on supports that yield, a stop is no quicker than they bear, and
+    one that begins as the ground carries the load no slower than the arm alone asks for.
 
     Args:
         context: The leaf's view of the mission.
@@ -36,13 +38,16 @@ def follow(
     if away.max() > _START_SHARE * START_TOLERANCE:
         name = trajectory.names[int(away.argmax())]
         return failed(f"{name} has moved {away.max():.3f} since the path was planned: plan again")
-    robot.command(Follow(trajectory, least_stop_s(context, trajectory, load_kg)))
+    stop_s = least_stop_s(context, trajectory, load_kg)
+    robot.command(Follow(trajectory, stop_s))
     is_over = False
     try:
         outcome = yield from _arrive(context, trajectory)
         is_over = outcome.success
     finally:
         if not is_over:
+            if stop_s > 0.0 and (context.standing() or 0.0) >= _STANDS:
+                robot.command(LimitStop(unloaded_stop_s(context)))
             robot.stop()
     return outcome
 

@@ -33,3 +33,12 @@ def least_stop_s(context: Context, trajectory: JointTrajectory, load_kg: float) 
     columns = [machine.arm_names.index(name) for name in trajectory.names]
     positions[:, columns], velocities[:, columns] = trajectory.position, trajectory.velocity
     return LoadedStop(machine).least_s(positions, velocities, load_kg)
+
+
+def unloaded_stop_s(context: Context) -> float:
+    """Return the least time in which a stop may take the arm's present speed away, unloaded [s]."""
+    from executive.machine.loaded_stop import LoadedStop  # imports kinematics
+
+    machine, sample = context.machine(), context.joints()
+    q, dq = np.array([sample.of(name)[:2] for name in machine.arm_names]).T
+    return LoadedStop(machine).least_s(q[None], dq[None], 0.0)

@@ -41,6 +41,20 @@ class MoveJaws:
 
 
 @dataclass(frozen=True, slots=True)
+class LimitStop:
+    """Change the least time of a stop in the middle of the path under way; nothing without one.
+
+    What hung in the jaws as the path began may stand on the ground by now: an arm that stopped as
+    slowly as the load asked for would press on it meanwhile.
+
+    Attributes:
+        stop_s: As that of `Follow` [s].
+    """
+
+    stop_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class SwitchLidars:
     """Start or stop the measurements of all lidars."""
 
@@ -64,4 +78,4 @@ class Drive:
     curvature_1_m: float
 
 
-Command = Follow | MoveJaws | SwitchLidars | Drive
+Command = Follow | LimitStop | MoveJaws | SwitchLidars | Drive

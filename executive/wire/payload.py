@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from executive.messages.command import Command, Drive, Follow, MoveJaws, SwitchLidars
+from executive.messages.command import Command, Drive, Follow, LimitStop, MoveJaws, SwitchLidars
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
@@ -28,6 +28,7 @@ _CLASSES: Mapping[str, type] = {
         JointSample,
         LidarScan,
         Follow,
+        LimitStop,
         MoveJaws,
         SwitchLidars,
         Drive,

@@ -22,7 +22,7 @@ from executive.interfaces.robot import Robot
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.kinematics import Kinematics
 from executive.machine.machine import Machine
-from executive.messages.command import Command, Drive, Follow, MoveJaws
+from executive.messages.command import Command, Drive, Follow, LimitStop, MoveJaws
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
@@ -114,6 +114,8 @@ class KinematicRobot(Robot):
         elif isinstance(command, Follow):
             self._driver.check_at_rest()
             self._follower.follow(command.trajectory, self._q, command.stop_s)
+        elif isinstance(command, LimitStop):
+            self._follower.limit_stop(command.stop_s)
         elif isinstance(command, MoveJaws):
             self._jaw_held = None
             closing = command.position_rad < self._jaw

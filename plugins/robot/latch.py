@@ -1,7 +1,7 @@
 """The latch of a safe stop: commands that move are refused until it is reset."""
 
 from executive.errors import RobotError
-from executive.messages.command import Command, SwitchLidars
+from executive.messages.command import Command, LimitStop, SwitchLidars
 
 
 class Latch:
@@ -34,7 +34,7 @@ class Latch:
         Raises:
             RobotError: If the command is refused.
         """
-        if self.reason and not isinstance(command, SwitchLidars):
+        if self.reason and not isinstance(command, SwitchLidars | LimitStop):
             raise RobotError(
                 f"{type(command).__name__} is refused: a safe stop is latched ({self.reason}); "
                 "reset the robot first"

@@ -84,6 +84,10 @@ class Follower:
         self._lead_s = self._wait_s = 0.0
         self._stop_s = max(stop_s, _QUICKEST_STOP_S)
 
+    def limit_stop(self, stop_s: float) -> None:
+        """Change the least time in which `stop` takes the whole speed of the path away [s]."""
+        self._stop_s = max(stop_s, _QUICKEST_STOP_S)
+
     def stop(self) -> None:
         """Slow down along the path and hold; the path is kept for `resume`.
 

@@ -97,6 +97,29 @@ def test_a_stop_is_slower_with_a_load_on_supports_that_yield(fakes, yields, payl
     assert (0.5 < followed.stop_s <= 2.5) if is_slow else followed.stop_s == 0.0
 
 
+@pytest.mark.parametrize(("standing", "is_told"), [(1.0, True), (0.5, False), (None, False)])
+def test_an_arm_whose_load_has_met_the_ground_stops_no_slower_than_unloaded(
+    fakes, standing, is_told
+):
+    """It presses on what it has set down for as long as a load in the air would ask for."""
+    context = fakes.Context(robot=Robot())
+    machine = context.machine()
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6})
+    context.machine = lambda: machine.model_copy(update={"stance": stance})
+    context.payload, context.on_ground = 1500.0, standing
+    trajectory = turn_by(context, 0.5)
+    trajectory = replace(trajectory, velocity=np.full_like(trajectory.position, 0.25))
+    moving(context, trajectory)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    steps = leaf.run(trajectory=trajectory)
+    next(steps)
+    steps.close()
+    follow, *others = context.plugins["robot"].commands
+    assert follow.stop_s > 0.5
+    assert [one.stop_s for one in others] == ([0.0] if is_told else [])
+    assert context.plugins["robot"].stops == 1
+
+
 def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
     context = fakes.Context(robot=Robot())
     trajectory = turn_by(context, 0.5)

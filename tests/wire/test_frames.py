@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from executive.errors import ConfigError
-from executive.messages.command import Follow, MoveJaws, SwitchLidars
+from executive.messages.command import Follow, LimitStop, MoveJaws, SwitchLidars
 from executive.messages.gnss import GnssFix
 from executive.messages.imu import ImuSample
 from executive.messages.joints import JointSample
@@ -25,6 +25,7 @@ MESSAGES = [
     LidarScan(4.5, "lidar", np.empty((0, 3)), np.empty(0)),
     MoveJaws(0.3, 8000.0),
     SwitchLidars(False),
+    LimitStop(1.25),
     Follow(JointTrajectory(("a",), np.array([0.0, 1.0]), np.zeros((2, 1)), np.zeros((2, 1)))),
 ]
 

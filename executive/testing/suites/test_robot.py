@@ -6,7 +6,7 @@ import pytest
 from executive.errors import DataError, RobotError
 from executive.interfaces.robot import Robot, RobotSettings
 from executive.machine.machine import Machine
-from executive.messages.command import Follow, SwitchLidars
+from executive.messages.command import Follow, LimitStop, SwitchLidars
 from executive.messages.joints import JointSample
 from executive.testing.exercises.robot import TICK_S, arm_of, newest_joints, turn
 from executive.testing.pytest_plugin import Insist
@@ -131,6 +131,7 @@ def test_a_safe_stop_refuses_motion_until_it_is_reset(
     with pytest.raises((RobotError, DataError)):
         plugin.command(path)
     plugin.command(SwitchLidars(on=False))  # moves nothing
+    plugin.command(LimitStop(0.5))  # neither does this
     plugin.reset()
     assert plugin.latched() == ""
     plugin.command(path)

@@ -23,7 +23,7 @@ from executive.interfaces.facilities import Breakable, Photographer, Scene, Surv
 from executive.interfaces.oracle import Witness
 from executive.interfaces.robot import Robot
 from executive.machine.machine import Machine
-from executive.messages.command import Command, Drive, Follow, MoveJaws, SwitchLidars
+from executive.messages.command import Command, Drive, Follow, LimitStop, MoveJaws, SwitchLidars
 from executive.messages.observation import Observation
 
 
@@ -150,6 +150,8 @@ class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness)
         match command:
             case Follow():
                 self.world.follow(command)
+            case LimitStop():
+                self.world.limit_stop(command)
             case Drive():
                 self.world.drive(command)
             case MoveJaws():

@@ -29,7 +29,7 @@ from executive.geometry.rotation import quaternion_wxyz
 from executive.machine.hydraulics import Hydraulics
 from executive.machine.machine import Machine
 from executive.machine.mjcf import machine_spec
-from executive.messages.command import Drive, Follow, MoveJaws
+from executive.messages.command import Drive, Follow, LimitStop, MoveJaws
 
 CONTROL_STEP_S = 0.01  # period of the controllers, of the fastest sensors, and of observers
 
@@ -136,6 +136,10 @@ class World:
         if self.wheels is not None:
             self.wheels.driver.check_at_rest()
         self._follower.follow(command.trajectory, self.arm.position(), command.stop_s)
+
+    def limit_stop(self, command: LimitStop) -> None:
+        """Change the least time of a stop in the middle of the path under way."""
+        self._follower.limit_stop(command.stop_s)
 
     def drive(self, command: Drive) -> None:
         """Drive the chassis.

@@ -102,13 +102,20 @@ def test_a_stop_in_mid_swing_is_quick(machine: Machine) -> None:
     assert shortest_s * 0.95 <= steps * DT_S <= shortest_s * 1.2
 
 
-def taken_s(machine: Machine, stop_s: float, *, is_urgent: bool = False) -> tuple[float, float]:
-    """Return how long a stop in mid-swing takes [s], and how far the joint turns meanwhile."""
+def taken_s(
+    machine: Machine, stop_s: float, *, is_urgent: bool = False, then_s: float | None = None
+) -> tuple[float, float]:
+    """Return how long a stop in mid-swing takes [s], and how far the joint turns meanwhile.
+
+    The least time of a stop is changed to `then_s` just before it.
+    """
     start = machine.posture("scan")
     follower = Follower(machine, start)
     follower.follow(quintic(machine, start + np.eye(7)[0] * 1.5, 6.0), start, stop_s)
     for _ in range(round(3.0 / DT_S)):
         began, _ = follower.advance(DT_S)
+    if then_s is not None:
+        follower.limit_stop(then_s)
     follower.give_up() if is_urgent else follower.stop()
     steps = 0
     while follower.is_moving:
@@ -131,6 +138,11 @@ def test_a_time_below_what_the_joints_need_makes_a_stop_no_quicker(machine: Mach
 
 def test_a_stop_for_good_is_as_quick_as_the_joints_may(machine: Machine) -> None:
     assert taken_s(machine, 2.4, is_urgent=True) == taken_s(machine, 0.0)
+
+
+@pytest.mark.parametrize("then_s", [0.0, 1.5])
+def test_the_least_time_of_a_stop_may_change_on_the_way(machine: Machine, then_s: float) -> None:
+    assert taken_s(machine, 2.4, then_s=then_s) == taken_s(machine, then_s)
 
 
 def test_a_slow_stop_goes_on_in_a_world_that_is_taken_back(machine: Machine) -> None:
