@@ -5,7 +5,7 @@ from collections.abc import Generator
 from executive.interfaces.motion import MotionPlanner
 from executive.leaf.context import Context
 from executive.leaf.job import Job
-from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan, MoveRequest
 
@@ -19,6 +19,10 @@ def way_up(
     context: Context, hold: Hold, way_m: float
 ) -> Generator[Job[object], object, MotionPlan]:
     """Plan from where the gripper is straight up.
+
+    Whether the jaws hold the stone is not known yet, so that the joints keep the limits of a full
+    load, whatever it weighs. On supports that yield, what was weighed limits the motion instead:
+    it is no quicker than the machine bears.
 
     Args:
         context: The leaf's view of the mission; it needs motion, mapping and objects.
@@ -37,5 +41,14 @@ def way_up(
         obstacles=obstacles,
         held_gripper=held_surface(context, hold),
         jaw_rad=hold.jaw_rad,
+        held_kg=_hanging_kg(context),
     )
     return (yield from context.job(context.use(MotionPlanner).move, request))
+
+
+def _hanging_kg(context: Context) -> float | None:
+    """Return what hangs in the jaws of a machine on supports that yield [kg]; None elsewhere."""
+    if context.machine().stance.support_n_m is None or not context.is_carried():
+        return None
+    weighed_kg = held_kg(context)
+    return context.payload_kg() if weighed_kg is None else weighed_kg

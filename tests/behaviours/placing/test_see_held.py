@@ -14,6 +14,7 @@ from executive.messages.command import SwitchLidars
 from executive.messages.request import MotionPlan
 from executive.messages.stone import StoneState
 from executive.messages.trajectory import JointTrajectory
+from executive.messages.weight import Weight
 from tests.behaviours.placing.scene import NO_PATH, plugins
 
 
@@ -73,6 +74,32 @@ def test_a_stone_that_the_closing_jaws_moved_is_corrected_in_the_database(stage,
     assert 0.003 < event.position_std_m < 0.006
     lidars = [one["command"] for one in plugins(world)["robot"].calls("command")]
     assert [one.on for one in lidars if isinstance(one, SwitchLidars)] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("yields", "hangs", "weight", "asked_kg"),
+    [
+        (True, True, Weight(1800.0, 50.0), 1900.0),
+        (True, True, None, 1750.0),
+        (True, False, None, None),
+        (False, True, Weight(1800.0, 50.0), None),
+    ],
+)
+def test_the_raise_is_no_quicker_than_supports_that_yield_bear(
+    stage, world, monkeypatch, yields, hangs, weight, asked_kg
+):
+    context = world.leaf_context
+    machine = context.machine()
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6 if yields else None})
+    monkeypatch.setattr(context, "machine", lambda: machine.model_copy(update={"stance": stance}))
+    monkeypatch.setattr(context, "weight", lambda: weight)
+    monkeypatch.setattr(context, "payload_kg", lambda: 1750.0)
+    monkeypatch.setattr(context, "is_carried", lambda: hangs)
+    seen_in_jaws(stage, world, np.eye(4))
+    rises(world)
+    world.tick(SeeHeld, hold=world.hold)
+    (asked,) = plugins(world)["motion"].calls("move")
+    assert asked["request"].held_kg == asked_kg
 
 
 def test_a_view_of_another_form_is_not_the_stone(stage, world, database):
