@@ -13,11 +13,12 @@ _FEWEST = 5  # values, of which the two amplitudes of a sway are told
 
 
 def calm(context: Context, mass_kg: float) -> Generator[None, None, None]:
-    """Wait until the sway uses at most half of what holds the machine, 2.5 s at most.
+    """Wait until the sway uses at most 0.45 of what holds the machine, 2.5 s at most.
 
-    The other half is for the motion that follows. What hangs in the jaws is weighed at each tick:
-    it sways about its mass with a known period. Nothing is waited for where nothing yields, or
-    where twice the load would use no more than that: no load that comes on at once does more.
+    As much is for the motion that follows, and a tenth is left. What hangs in the jaws is weighed
+    at each tick: it sways about its mass with a known period. Nothing is waited for where nothing
+    yields, or where twice the load would use no more than that: no load that comes on at once does
+    more.
 
     Args:
         context: The leaf's view of the mission, with the arm at rest.
@@ -27,10 +28,10 @@ def calm(context: Context, mass_kg: float) -> Generator[None, None, None]:
     if machine.stance.support_n_m is None:
         return
     from executive.machine.sway import Sway  # reading a mission imports no kinematics
-    from executive.machine.tipping_moment import HALF, TippingMoment
+    from executive.machine.tipping_moment import SHARE, TippingMoment
 
     moment, period_s = TippingMoment(machine), Sway(machine).period_s(q, mass_kg)
-    least_nm = HALF * moment.holding_nm(q, mass_kg)
+    least_nm = (1.0 - SHARE) * moment.holding_nm(q, mass_kg)
     seen: deque[tuple[float, float]] = deque()
     amplitude_kg = mass_kg
     while (moment.holding_nm(q, mass_kg + amplitude_kg) < least_nm).any():

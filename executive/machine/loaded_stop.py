@@ -6,7 +6,7 @@ from executive.arrays import Float
 from executive.machine.machine import Machine
 from executive.machine.stance import SLOWEST_S
 from executive.machine.sway import Sway
-from executive.machine.tipping_moment import HALF, TippingMoment
+from executive.machine.tipping_moment import SHARE, TippingMoment
 
 _LOOKS = 20  # postures of a path that are looked at
 _SURGE = 2.0  # a force that sets in at once moves a spring by twice what it does at rest
@@ -43,7 +43,7 @@ class LoadedStop:
         return max(self._at(positions[i], velocities[i], load_kg) for i in few)
 
     def _at(self, q: Float, dq: Float, load_kg: float) -> float:
-        spare_nm = HALF * self._moment.holding_nm(q, load_kg)
+        spare_nm = SHARE * self._moment.holding_nm(q, load_kg)
         momentum = np.abs(self._moment.momentum(q, dq, load_kg))  # a sway presses to both sides
         period_s = self._sway.period_s(q, load_kg)
         if (2 * np.pi / period_s * momentum <= spare_nm).all():

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from executive.arrays import Float
 from executive.machine.lift_capacity import LiftCapacity
-from executive.machine.tipping_moment import HALF, TippingMoment
+from executive.machine.tipping_moment import SHARE, TippingMoment
 from executive.messages.trajectory import JointTrajectory
 
 
@@ -30,7 +30,7 @@ class CarriedLoad:
         return self._capacity.along(positions).rated_kg - self._mass_kg
 
     def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
-        """Return a motion that uses at most half of what holds the machine.
+        """Return a motion that uses at most 0.45 of what holds the machine.
 
         Joints that accelerate together add up at the load; the limits of each joint alone know
         nothing of that. Where the load at rest is beyond what the machine holds, whoever carries it
@@ -52,4 +52,4 @@ class CarriedLoad:
         if self._moment is None:
             return 0.0
         path = (motion.times_s, motion.position, motion.velocity)
-        return self._moment.used(*path, self._mass_kg) / HALF
+        return self._moment.used(*path, self._mass_kg) / SHARE
