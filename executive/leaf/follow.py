@@ -15,7 +15,7 @@ _SETTLED = 0.002  # [rad] or [m]: at 8 m from the turning axis 2 mrad are 16 mm
 _GOAL_TOLERANCE = 0.02  # [rad] or [m]: largest lasting error of a servo under load
 _STALL_S = 2.0  # at rest away from the goal for so long: something blocks the arm
 _STALL_SPEED = 0.005  # [rad/s] or [m/s]
-_STANDS = 0.95  # probability that the ground carries the load from which it presses on nothing else
+_STANDS = 0.95  # probability from which the ground is taken to carry the load, as by `IsHanging`
 _START_SHARE = 0.9  # of the robot's own tolerance, which it compares with a later sample
 
 
@@ -47,7 +47,7 @@ def follow(
     finally:
         if not is_over:
             if stop_s > 0.0 and (context.standing() or 0.0) >= _STANDS:
-                robot.command(LimitStop(unloaded_stop_s(context)))
+                robot.command(LimitStop(min(unloaded_stop_s(context), stop_s)))
             robot.stop()
     return outcome
 

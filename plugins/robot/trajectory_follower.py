@@ -82,11 +82,15 @@ class Follower:
         self._s, self._rate, self._is_stopping = 0.0, 1.0, False
         self._is_given_up = False
         self._lead_s = self._wait_s = 0.0
-        self._stop_s = max(stop_s, _QUICKEST_STOP_S)
+        self.limit_stop(stop_s)
 
     def limit_stop(self, stop_s: float) -> None:
-        """Change the least time in which `stop` takes the whole speed of the path away [s]."""
-        self._stop_s = max(stop_s, _QUICKEST_STOP_S)
+        """Change the least time in which `stop` takes the whole speed of the path away [s].
+
+        It changes nothing once the path is given up: a stop for good stays as quick as it is.
+        """
+        if not self._is_given_up:
+            self._stop_s = max(stop_s, _QUICKEST_STOP_S)
 
     def stop(self) -> None:
         """Slow down along the path and hold; the path is kept for `resume`.

@@ -145,6 +145,21 @@ def test_the_least_time_of_a_stop_may_change_on_the_way(machine: Machine, then_s
     assert taken_s(machine, 2.4, then_s=then_s) == taken_s(machine, then_s)
 
 
+def test_a_stop_for_good_is_slowed_by_nothing(machine: Machine) -> None:
+    start = machine.posture("scan")
+    follower = Follower(machine, start)
+    follower.follow(quintic(machine, start + np.eye(7)[0] * 1.5, 6.0), start)
+    for _ in range(round(3.0 / DT_S)):
+        follower.advance(DT_S)
+    follower.give_up()
+    follower.limit_stop(2.4)
+    steps = 0
+    while follower.is_moving:
+        follower.advance(DT_S)
+        steps += 1
+    assert steps * DT_S == taken_s(machine, 0.0)[0]
+
+
 def test_a_slow_stop_goes_on_in_a_world_that_is_taken_back(machine: Machine) -> None:
     start, left = machine.posture("scan"), []
     follower, other = (Follower(machine, start) for _ in range(2))
