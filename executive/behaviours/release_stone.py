@@ -23,6 +23,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
+from executive.leaf.thrust import Thrust
 from executive.machine.jaw_clearance import RELEASE_RAD, ROOM_M, angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
@@ -58,7 +59,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
 
     The jaws open only until their tips rise past the stone, because jaws that open wide beside
     another stone push it away; where that stone is in the way, they open as far as there is room,
-    and at least until the tips just pass the stone.
+    and at least until the tips just pass the stone. Jaws that press on the ground so hard that they
+    lift the machine stop where they are.
     Source: Mascaro et al. 2020, Eq. 3. Deviation from the paper: the model of a stone that is
     released without a placement is lowered to the ground below, because nothing holds it in the
     air; a stone that has slid out of the jaws did not rise with them. A stone of which a monitor
@@ -82,7 +84,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         T_map_gripper = self.context.gripper()
         opening_rad = self._opening_rad(hold, T_map_gripper)
         self.context.end_hold()
-        yield from drive_jaws(self.context, opening_rad, self.settings.force)
+        thrust, force_n = Thrust(self.context), self.settings.force
+        angle_rad = yield from drive_jaws(self.context, opening_rad, force_n, thrust.is_too_much)
         self.context.use(Mapper).mask_held(0.0)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         if stone.state is StoneState.HELD:  # not so when a run is resumed after the release
@@ -91,7 +94,12 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         self._record(stone, placement)
         self._keep_weight(stone.id, placement)
         self._keep_grasp(stone, T_map_gripper, placement)
-        return succeeded()
+        if not thrust.was_too_much:
+            return succeeded()
+        return succeeded(
+            reason=f"the jaws stopped at {angle_rad:.2f} of {opening_rad:.2f} rad, because they "
+            "pressed on the ground so hard that they would have lifted the machine"
+        )
 
     def _keep_weight(self, stone_id: int, placement: Placement | None) -> None:
         """Store what the stone weighs, unless it was let go before it hung free, or it has slipped.

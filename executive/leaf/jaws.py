@@ -1,6 +1,6 @@
 """Drive the jaws until they are at rest: the step that opening and closing share."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 
 from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
@@ -12,15 +12,23 @@ _WINDOW_S = 0.5
 
 
 def drive_jaws(
-    context: Context, position_rad: float, force_n: float | None
+    context: Context,
+    position_rad: float,
+    force_n: float | None,
+    must_stop: Callable[[], bool] = lambda: False,
 ) -> Generator[None, None, float]:
-    """Command the jaws, wait until they are at rest, and return their angle [rad]."""
+    """Command the jaws, wait until they are at rest, and return their angle [rad].
+
+    They stop where they are once `must_stop` tells so, which is asked at each tick.
+    """
     force_n = context.machine().gripper.tip_force_n if force_n is None else force_n
     context.use(Robot).command(MoveJaws(position_rad, force_n))
     jaw = context.machine().jaw.name
     before, before_s = context.joints().of(jaw)[0], context.now_s()
     while True:
         yield None
+        if must_stop():
+            return (yield from drive_jaws(context, context.joints().of(jaw)[0], force_n))
         if context.now_s() - before_s < _WINDOW_S:
             continue
         now = context.joints().of(jaw)[0]

@@ -82,6 +82,25 @@ def test_jaws_that_have_closed_below_a_stone_open_until_they_rise_past_it(
     assert gripper.opening_m(asked["command"].position_rad) == pytest.approx(expected_m, abs=0.05)
 
 
+@pytest.mark.parametrize(("up_kg", "stops"), [(500.0, False), (4000.0, True), (None, False)])
+def test_jaws_that_would_lift_the_machine_stop(world, database, up_kg, stops):
+    """The scan posture reaches 6 m out; half a ton less there is as much as a stone weighs."""
+    world.leaf_context.payload = None if up_kg is None else -up_kg
+    ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
+    assert (ended.status, "lifted the machine" in ended.reason) == ("SUCCESS", stops)
+    commands = [one["command"] for one in plugins(world)["robot"].calls("command")]
+    jaw_rad = world.leaf_context.jaw(0.0)
+    assert [one.position_rad for one in commands[1:]] == ([jaw_rad] if stops else [])
+    assert database.stone(1).state is StoneState.PLACED
+
+
+def test_a_single_jerk_of_the_jaws_stops_nothing(world):
+    told = cycle([-4000.0, 500.0, 1000.0])
+    world.leaf_context.payload_kg = lambda: next(told)
+    ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
+    assert (ended.status, ended.reason) == ("SUCCESS", "")
+
+
 def test_a_stone_that_is_let_go_lies_on_the_ground_below(world, database):
     ended = world.tick(ReleaseStone, hold=world.hold)
     assert ended.status == "SUCCESS"
