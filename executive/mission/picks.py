@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 from executive.arrays import Float
 from executive.events.event import Event
-from executive.events.mission import VerdictGiven
+from executive.events.mission import MissionEnded, VerdictGiven
+from executive.events.node import NodeRetried
 from executive.events.stone import (
     AttemptStarted,
     GraspRecord,
@@ -156,6 +157,9 @@ class Picks:
                 pick.released, pick.lost, pick.verified = event, "", None
             case StoneSetAside():
                 self._pick_of(event.stone).set_aside = event.reason
+                self._explain(event.reason)
+            case NodeRetried() | MissionEnded():
+                self._explain(event.reason)
             case StoneRealigned() | StoneWeighed() | PlacementVerified() | StoneLost():
                 self._learn(event)
             case StonesTakenUpAgain():
@@ -166,6 +170,12 @@ class Picks:
         """End an attempt that nothing has ended: by the next one, or by the end of the run."""
         if self._current is not None and self._current.outcome == _UNFINISHED:
             self._current.ended_s = now_s
+
+    def _explain(self, reason: str) -> None:
+        """Take why an attempt has failed that no event of a stone has ended."""
+        current = self._current
+        if current is not None and current.outcome == _UNFINISHED and not current.reason:
+            current.reason = reason
 
     def _pick_released(self, event: StoneReleased) -> Pick:
         """Return the pick of a release; one that was told twice around a crash is told once."""

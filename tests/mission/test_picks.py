@@ -129,6 +129,30 @@ def test_a_look_at_a_stone_that_is_carried_on_ends_no_attempt():
     assert (first.outcome, first.reason) == ("unfinished", "")
 
 
+def test_an_attempt_that_no_stone_tells_the_end_of_has_the_reason_of_what_failed():
+    """A stone that hangs, and has no slot that the machine may carry it to, is put back."""
+    failure, later = NodeRetried(1, 3, "no path to any of 9 slots"), NodeRetried(2, 3, "no grasp")
+    story = journal_of((10, attempt(1)), (20, failure), (21, later), (30, attempt(1)))
+    first, second = next(pick.as_report().attempts for pick in Account.of(story).picks())
+    assert (first.outcome, first.reason) == ("unfinished", "no path to any of 9 slots")
+    assert (second.outcome, second.reason) == ("unfinished", "")
+    stopped = journal_of((10, attempt(1)), (22, MissionEnded("stopped", "by the operator")))
+    ((only,),) = (pick.as_report().attempts for pick in Account.of(stopped).picks())
+    assert (only.outcome, only.reason) == ("unfinished", "by the operator")
+    set_aside = journal_of((10, attempt(1)), (20, StoneSetAside(1, "no place")))
+    ((last,),) = (pick.as_report().attempts for pick in Account.of(set_aside).picks())
+    assert (last.outcome, last.reason) == ("unfinished", "no place")
+
+
+def test_what_was_tried_again_within_an_attempt_is_not_how_it_ended():
+    again, slip = NodeRetried(1, 2, "no path"), verdict(Trouble.SLIP, "jaws closed further")
+    ends = [(slip, ("slip", "jaws closed further")), (released(1), ("placed", ""))]
+    for end, told in ends:
+        story = journal_of((10, attempt(1)), (20, again), (30, end))
+        ((only,),) = (pick.as_report().attempts for pick in Account.of(story).picks())
+        assert (only.outcome, only.reason) == told
+
+
 def test_a_slip_of_the_next_attempt_is_another_one():
     slip = verdict(Trouble.SLIP, "jaws closed further")
     story = journal_of((10, attempt(1)), (20, slip), (30, attempt(1)), (40, slip))
