@@ -8,11 +8,13 @@ from executive.config import Meters, Newtons, Radians, Settings
 from executive.events.stone import JawsClosedOnNothing, StoneGrasped
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
+from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.jaws import drive_jaws
+from executive.leaf.light_jaws import drive_lightly
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.removal import removal_radius, remove_from_map
@@ -47,11 +49,12 @@ class CloseGripper(Action[CloseGripperSettings]):
     """Close the jaws; if they hold something, inform the database, the map and the monitors.
 
     Mascaro et al. 2020, Sec. 4.5: the gripper's pose is stored with the stone, and a sphere of
-    R_obj = 1 m is removed from the map, see `removal`.
+    R_obj = 1 m is removed from the map, see `removal`. If the jaws press on the ground so hard that
+    they lift the machine, the gripper is raised before they go on.
     """
 
-    needs = (Robot, ObjectDatabase, Mapper, Monitor)
-    claims = (Part.JAWS,)
+    needs = (Robot, MotionPlanner, ObjectDatabase, Mapper, Monitor)
+    claims = (Part.JAWS, Part.ARM, Part.CABIN)
     on_resume = OnResume.REDO
     is_irreversible = True
 
@@ -61,7 +64,10 @@ class CloseGripper(Action[CloseGripperSettings]):
         Args:
             stone: Id of the stone.
         """
-        angle_rad = yield from drive_jaws(self.context, 0.0, self.settings.force)
+        force_n = self.settings.force
+        angle_rad, pressed = yield from drive_lightly(self.context, 0.0, force_n, stone)
+        if pressed:  # the stone is to be carried: it is gripped all the same
+            angle_rad = yield from drive_jaws(self.context, 0.0, force_n)
         if angle_rad < self.settings.empty_below:
             reason = f"the jaws closed to {angle_rad:.2f} rad: nothing is between them"
             self.context.record(JawsClosedOnNothing(stone, reason))
@@ -75,4 +81,4 @@ class CloseGripper(Action[CloseGripperSettings]):
         self.context.use(Mapper).mask_held(removal_radius(held))
         self.context.begin_hold()
         self.context.record(StoneGrasped(stone, angle_rad, removed, put_back))
-        return succeeded(StoneHeld(hold))
+        return succeeded(StoneHeld(hold), pressed)

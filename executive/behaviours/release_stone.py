@@ -13,17 +13,17 @@ from executive.geometry.gap import gap_below
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.mapping import Mapper
 from executive.interfaces.monitoring import Monitor
+from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
-from executive.leaf.jaws import drive_jaws
+from executive.leaf.light_jaws import drive_lightly
 from executive.leaf.lost import mark_lost
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_surface, surroundings
-from executive.leaf.thrust import Thrust
 from executive.machine.jaw_clearance import RELEASE_RAD, ROOM_M, angle_beside, angle_free_of
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement
@@ -59,16 +59,16 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
 
     The jaws open only until their tips rise past the stone, because jaws that open wide beside
     another stone push it away; where that stone is in the way, they open as far as there is room,
-    and at least until the tips just pass the stone. Jaws that press on the ground so hard that they
-    lift the machine stop where they are.
+    and at least until the tips just pass the stone. If they press on the ground so hard that they
+    lift the machine, the gripper is raised before they go on.
     Source: Mascaro et al. 2020, Eq. 3. Deviation from the paper: the model of a stone that is
     released without a placement is lowered to the ground below, because nothing holds it in the
     air; a stone that has slid out of the jaws did not rise with them. A stone of which a monitor
     reported the fall is lost: it lies somewhere on the way behind.
     """
 
-    needs = (Robot, ObjectDatabase, Mapper, Monitor)
-    claims = (Part.JAWS,)
+    needs = (Robot, MotionPlanner, ObjectDatabase, Mapper, Monitor)
+    claims = (Part.JAWS, Part.ARM, Part.CABIN)
     on_resume = OnResume.REDO
     is_irreversible = True
 
@@ -84,8 +84,8 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         T_map_gripper = self.context.gripper()
         opening_rad = self._opening_rad(hold, T_map_gripper)
         self.context.end_hold()
-        thrust, force_n = Thrust(self.context), self.settings.force
-        angle_rad = yield from drive_jaws(self.context, opening_rad, force_n, thrust.is_too_much)
+        force_n, stone_id = self.settings.force, hold.stone_id
+        _, pressed = yield from drive_lightly(self.context, opening_rad, force_n, stone_id)
         self.context.use(Mapper).mask_held(0.0)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         if stone.state is StoneState.HELD:  # not so when a run is resumed after the release
@@ -94,12 +94,7 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         self._record(stone, placement)
         self._keep_weight(stone.id, placement)
         self._keep_grasp(stone, T_map_gripper, placement)
-        if not thrust.was_too_much:
-            return succeeded()
-        return succeeded(
-            reason=f"the jaws stopped at {angle_rad:.2f} of {opening_rad:.2f} rad, because they "
-            "pressed on the ground so hard that they would have lifted the machine"
-        )
+        return succeeded(reason=pressed)
 
     def _keep_weight(self, stone_id: int, placement: Placement | None) -> None:
         """Store what the stone weighs, unless it was let go before it hung free, or it has slipped.

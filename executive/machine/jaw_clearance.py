@@ -131,6 +131,20 @@ def can_open(
     return not any(_nears(gripper, others_gripper, float(one), room_m) for one in angles_rad)
 
 
+def tips_sink_m(gripper: Gripper, up_gripper: Float, from_rad: float, to_rad: float) -> float:
+    """Return by how much one of the tips comes down while the jaws move from an angle to another.
+
+    Args:
+        gripper: The gripper.
+        up_gripper: The direction up, a unit vector in the gripper's frame.
+        from_rad: The angle now.
+        to_rad: The other angle.
+    """
+    angles_rad = np.linspace(from_rad, to_rad, 2 + int(abs(to_rad - from_rad) / _OPENING_RAD))
+    heights_m = np.array([gripper.tips(float(one)) @ up_gripper for one in angles_rad])
+    return float((heights_m[0] - heights_m.min(axis=0)).max())
+
+
 def _nears(gripper: Gripper, points: Float, angle_rad: float, room_m: float) -> bool:
     """Return whether a point lies in one of the jaws, or nearer than that to its faces."""
     return bool(len(points)) and any(

@@ -1,0 +1,77 @@
+"""Drive the jaws without lifting the machine: what opens and closes at a stone shares it."""
+
+from collections.abc import Generator
+from typing import Any
+
+from executive.interfaces.motion import MotionPlanner
+from executive.leaf.context import Context
+from executive.leaf.follow import follow
+from executive.leaf.jaws import drive_jaws
+from executive.leaf.rest import come_to_rest
+from executive.leaf.surroundings import surroundings
+from executive.leaf.thrust import Thrust
+from executive.machine.jaw_clearance import tips_sink_m
+from executive.messages.request import MoveRequest
+
+_STEP_M = 0.05  # by which the gripper is raised at once
+
+
+def drive_lightly(
+    context: Context, position_rad: float, force_n: float | None, stone: int
+) -> Generator[Any, Any, tuple[float, str]]:
+    """Drive the jaws, and raise the gripper whenever they press so hard that they lift the machine.
+
+    The tips of jaws that swing about their pivots come down on the way, deepest where the gripper
+    is rolled, and press on the ground or on a stone that stands there with the force of the jaws.
+    The gripper is raised by as much in all, and by the depth to which teeth may be in soil.
+
+    Args:
+        context: The leaf's view of the mission; it needs robot, motion, mapping and objects.
+        position_rad: Where the jaws are to be [rad].
+        force_n: Force at each tip [N]; None for the gripper's own.
+        stone: Id of the stone at the jaws, which is no obstacle.
+
+    Returns:
+        The angle at which the jaws rest [rad], and why it is not what is asked for; empty if the
+        thrust is not the cause.
+    """
+    jaw, gripper = context.machine().jaw.name, context.machine().gripper
+    from_rad, up = context.joints().of(jaw)[0], context.gripper()[2, :3]
+    most_m = gripper.digs_m + tips_sink_m(gripper, up, from_rad, position_rad)
+    risen_m = 0.0
+    while True:
+        thrust = Thrust(context)
+        angle_rad = yield from drive_jaws(context, position_rad, force_n, thrust.is_too_much)
+        if not thrust.was_too_much:
+            return angle_rad, ""
+        why = "raised as far as it may be"
+        if risen_m < most_m:
+            why = yield from _raise(context, stone)
+        if why:
+            return angle_rad, (
+                f"the jaws stopped at {angle_rad:.2f} of {position_rad:.2f} rad, because they "
+                f"pressed so hard that they would have lifted the machine ({why})"
+            )
+        risen_m += _STEP_M
+
+
+def _raise(context: Context, stone: int) -> Generator[Any, Any, str]:
+    """Raise the gripper by a step, with the jaws as they are; return why it was not."""
+    T_map_gripper = context.gripper()
+    T_map_gripper[2, 3] += _STEP_M
+    obstacles = yield from surroundings(context, stone)
+    request = MoveRequest(
+        start=context.arm(),
+        T_map_gripper=T_map_gripper,
+        T_map_base=context.state().T_map_base,
+        leave_m=_STEP_M,
+        arrive_m=0.0,
+        obstacles=obstacles,
+        held_gripper=None,
+        jaw_rad=context.joints().of(context.machine().jaw.name)[0],
+    )
+    plan = yield from context.job(context.use(MotionPlanner).move, request)
+    if plan.trajectory is None:
+        return f"no way up: {plan.reason}"
+    raised = yield from follow(context, plan.trajectory)
+    return raised.reason if not raised.success else (yield from come_to_rest(context))

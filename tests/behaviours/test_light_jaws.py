@@ -1,0 +1,85 @@
+"""Jaws that press so hard that they lift the machine: the gripper is raised, and they go on."""
+
+import numpy as np
+import pytest
+
+from executive.behaviours.close_gripper import CloseGripper
+from executive.geometry.pose import pose
+from executive.interfaces.motion import MotionPlanner
+from executive.interfaces.robot import Robot
+from executive.leaf.light_jaws import drive_lightly
+from executive.messages.command import Follow, MoveJaws
+from executive.messages.request import MotionPlan
+from executive.messages.trajectory import JointTrajectory
+
+NO_PATH = np.zeros((0, 3))
+NO_WAY = MotionPlan(None, "the boom would hit stone 2", NO_PATH)
+PRESSING_KG = -4000.0  # in the posture for a scan, 6 m out, it is 0.74 of what holds the machine
+
+
+@pytest.fixture
+def world(stage, database):
+    """Return a stage on which every way up is the place itself."""
+    stand = stage.Stage(
+        robot=stage.Scripted(Robot), mapping=stage.PointMap([[0.0, 0.0, 0.0]]), objects=database
+    )
+    here = np.stack([stand.leaf_context.arm()] * 2)
+    path = JointTrajectory(
+        stand.leaf_context.machine().arm_names, np.array([0.0, 1.0]), here, np.zeros_like(here)
+    )
+    found = MotionPlan(path, "", NO_PATH)
+    stand.leaf_context.plugins["motion"] = stage.Scripted(MotionPlanner, move=found)
+    stand.leaf_context.jaw = lambda time_s: 0.5
+    return stand
+
+
+def commands(world):
+    return [one["command"] for one in world.leaf_context.plugins["robot"].calls("command")]
+
+
+def raises(world):
+    return sum(isinstance(one, Follow) for one in commands(world))
+
+
+def test_the_gripper_is_raised_until_the_jaws_press_no_more(fakes, world):
+    context = world.leaf_context
+    context.payload_kg = lambda: PRESSING_KG if raises(world) < 2 else -300.0
+    leaf = CloseGripper(CloseGripper.Settings(), context)
+    leaf.run = lambda: drive_lightly(context, 0.2, 9000.0, 1)
+    assert fakes.finish(leaf) == (0.5, "")
+    assert raises(world) == 2
+    heights_m = [
+        one["request"].T_map_gripper[2, 3] for one in context.plugins["motion"].calls("move")
+    ]
+    assert heights_m == pytest.approx([context.gripper()[2, 3] + 0.05] * 2)
+    jaws = [one for one in commands(world) if isinstance(one, MoveJaws)]
+    assert [one.position_rad for one in jaws] == [0.2, 0.5, 0.2, 0.5, 0.2]
+    assert {one.force_n for one in jaws} == {9000.0}
+
+
+@pytest.mark.parametrize(
+    ("rolled_rad", "from_rad", "to_rad", "steps"), [(0.0, 0.5, 0.8, 3), (0.6, 0.3, 0.8, 6)]
+)
+def test_it_is_raised_by_what_the_tips_come_down_and_by_the_depth_of_soil_at_most(
+    fakes, world, rolled_rad, from_rad, to_rad, steps
+):
+    """Jaws that open below a level gripper come up; teeth may be 0.13 m deep in soil."""
+    context = world.leaf_context
+    context.payload, context.jaw = PRESSING_KG, lambda time_s: from_rad
+    s, c = np.sin(rolled_rad), np.cos(rolled_rad)
+    R = np.array([[0.0, 0.0, 1.0], [-s, c, 0.0], [-c, -s, 0.0]])  # x ahead of the jaws is down
+    context.gripper = lambda: pose(R=R, t=np.array([5.0, 0.0, 1.5]))
+    leaf = CloseGripper(CloseGripper.Settings(), context)
+    leaf.run = lambda: drive_lightly(context, to_rad, None, 1)
+    angle_rad, pressed = fakes.finish(leaf)
+    assert (angle_rad, raises(world)) == (from_rad, steps)
+    assert "raised as far as it may be" in pressed
+
+
+def test_a_stone_that_is_to_be_carried_is_gripped_all_the_same(stage, world):
+    world.leaf_context.payload = PRESSING_KG
+    world.leaf_context.plugins["motion"] = stage.Scripted(MotionPlanner, move=NO_WAY)
+    ended = world.tick(CloseGripper, stone=1)
+    assert ended.status == "SUCCESS"
+    assert "lifted the machine (no way up: the boom would hit stone 2)" in ended.reason
+    assert [one.position_rad for one in commands(world)] == [0.0, 0.5, 0.0]
