@@ -38,9 +38,9 @@ def drive_lightly(
     jaw, gripper = context.machine().jaw.name, context.machine().gripper
     from_rad, up = context.joints().of(jaw)[0], context.gripper()[2, :3]
     most_m = gripper.digs_m + tips_sink_m(gripper, up, from_rad, position_rad)
-    risen_m = 0.0
+    thrust, risen_m = Thrust(context), 0.0
     while True:
-        thrust = Thrust(context)
+        thrust.begin_drive()
         angle_rad = yield from drive_jaws(context, position_rad, force_n, thrust.is_too_much)
         if not thrust.was_too_much:
             return angle_rad, ""

@@ -37,13 +37,19 @@ def commands(world):
     return [one["command"] for one in world.leaf_context.plugins["robot"].calls("command")]
 
 
+def pressing(world, until=float("inf")):
+    """Return what is weighed while the jaws press, from some ticks on until so many raises."""
+    is_pressed = world.leaf_context.time_s > 0.2 and raises(world) < until
+    return PRESSING_KG if is_pressed else -300.0
+
+
 def raises(world):
     return sum(isinstance(one, Follow) for one in commands(world))
 
 
 def test_the_gripper_is_raised_until_the_jaws_press_no_more(fakes, world):
     context = world.leaf_context
-    context.payload_kg = lambda: PRESSING_KG if raises(world) < 2 else -300.0
+    context.payload_kg = lambda: pressing(world, until=2)
     leaf = CloseGripper(CloseGripper.Settings(), context)
     leaf.run = lambda: drive_lightly(context, 0.2, 9000.0, 1)
     assert fakes.finish(leaf) == (0.5, "")
@@ -65,7 +71,7 @@ def test_it_is_raised_by_what_the_tips_come_down_and_by_the_depth_of_soil_at_mos
 ):
     """Jaws that open below a level gripper come up; teeth may be 0.13 m deep in soil."""
     context = world.leaf_context
-    context.payload, context.jaw = PRESSING_KG, lambda time_s: from_rad
+    context.payload_kg, context.jaw = lambda: pressing(world), lambda time_s: from_rad
     s, c = np.sin(rolled_rad), np.cos(rolled_rad)
     R = np.array([[0.0, 0.0, 1.0], [-s, c, 0.0], [-c, -s, 0.0]])  # x ahead of the jaws is down
     context.gripper = lambda: pose(R=R, t=np.array([5.0, 0.0, 1.5]))
@@ -77,9 +83,16 @@ def test_it_is_raised_by_what_the_tips_come_down_and_by_the_depth_of_soil_at_mos
 
 
 def test_a_stone_that_is_to_be_carried_is_gripped_all_the_same(stage, world):
-    world.leaf_context.payload = PRESSING_KG
+    world.leaf_context.payload_kg = lambda: pressing(world)
     world.leaf_context.plugins["motion"] = stage.Scripted(MotionPlanner, move=NO_WAY)
     ended = world.tick(CloseGripper, stone=1)
     assert ended.status == "SUCCESS"
     assert "lifted the machine (no way up: the boom would hit stone 2)" in ended.reason
     assert [one.position_rad for one in commands(world)] == [0.0, 0.5, 0.0]
+
+
+def test_a_robot_without_efforts_presses_on_nothing(world):
+    """By efforts of zero the weight of the arm itself is missing, two tonnes at its tool."""
+    world.leaf_context.payload = PRESSING_KG
+    ended = world.tick(CloseGripper, stone=1)
+    assert (ended.status, ended.reason, raises(world)) == ("SUCCESS", "", 0)
