@@ -65,8 +65,9 @@ class CloseGripper(Action[CloseGripperSettings]):
             stone: Id of the stone.
         """
         force_n = self.settings.force
-        angle_rad, pressed = yield from drive_lightly(self.context, 0.0, force_n, stone)
-        if pressed:  # the stone is to be carried: it is gripped all the same
+        drive = yield from drive_lightly(self.context, 0.0, force_n, stone)
+        angle_rad = drive.angle_rad
+        if not drive.is_whole:  # the stone is to be carried: it is gripped all the same
             angle_rad = yield from drive_jaws(self.context, 0.0, force_n)
         if angle_rad < self.settings.empty_below:
             reason = f"the jaws closed to {angle_rad:.2f} rad: nothing is between them"
@@ -81,4 +82,4 @@ class CloseGripper(Action[CloseGripperSettings]):
         self.context.use(Mapper).mask_held(removal_radius(held))
         self.context.begin_hold()
         self.context.record(StoneGrasped(stone, angle_rad, removed, put_back))
-        return succeeded(StoneHeld(hold), pressed)
+        return succeeded(StoneHeld(hold), drive.told)

@@ -85,7 +85,7 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         opening_rad = self._opening_rad(hold, T_map_gripper)
         self.context.end_hold()
         force_n, stone_id = self.settings.force, hold.stone_id
-        _, pressed = yield from drive_lightly(self.context, opening_rad, force_n, stone_id)
+        drive = yield from drive_lightly(self.context, opening_rad, force_n, stone_id)
         self.context.use(Mapper).mask_held(0.0)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         if stone.state is StoneState.HELD:  # not so when a run is resumed after the release
@@ -94,7 +94,7 @@ class ReleaseStone(Action[ReleaseStoneSettings]):
         self._record(stone, placement)
         self._keep_weight(stone.id, placement)
         self._keep_grasp(stone, T_map_gripper, placement)
-        return succeeded(reason=pressed)
+        return succeeded(reason=drive.told)
 
     def _keep_weight(self, stone_id: int, placement: Placement | None) -> None:
         """Store what the stone weighs, unless it was let go before it hung free, or it has slipped.

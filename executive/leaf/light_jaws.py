@@ -1,6 +1,7 @@
 """Drive the jaws without lifting the machine: what opens and closes at a stone shares it."""
 
 from collections.abc import Generator
+from dataclasses import dataclass
 from typing import Any
 
 from executive.interfaces.motion import MotionPlanner
@@ -16,9 +17,24 @@ from executive.messages.request import MoveRequest
 _STEP_M = 0.05  # by which the gripper is raised at once
 
 
+@dataclass(frozen=True, slots=True)
+class LightDrive:
+    """How a drive of the jaws ended.
+
+    Attributes:
+        angle_rad: Where the jaws rest [rad].
+        is_whole: Whether they moved until they met their goal or a stone, and not the thrust.
+        told: What the thrust has made of the drive; empty if there was none.
+    """
+
+    angle_rad: float
+    is_whole: bool
+    told: str
+
+
 def drive_lightly(
     context: Context, position_rad: float, force_n: float | None, stone: int
-) -> Generator[Any, Any, tuple[float, str]]:
+) -> Generator[Any, Any, LightDrive]:
     """Drive the jaws, and raise the gripper whenever they press so hard that they lift the machine.
 
     The tips of jaws that swing about their pivots come down on the way, deepest where the gripper
@@ -30,10 +46,6 @@ def drive_lightly(
         position_rad: Where the jaws are to be [rad].
         force_n: Force at each tip [N]; None for the gripper's own.
         stone: Id of the stone at the jaws, which is no obstacle.
-
-    Returns:
-        The angle at which the jaws rest [rad], and why it is not what is asked for; empty if the
-        thrust is not the cause.
     """
     jaw, gripper = context.machine().jaw.name, context.machine().gripper
     from_rad, up = context.joints().of(jaw)[0], context.gripper()[2, :3]
@@ -43,16 +55,19 @@ def drive_lightly(
         thrust.begin_drive()
         angle_rad = yield from drive_jaws(context, position_rad, force_n, thrust.is_too_much)
         if not thrust.was_too_much:
-            return angle_rad, ""
+            raised = _told(f"the gripper was raised by {risen_m:.2f} m") if risen_m else ""
+            return LightDrive(angle_rad, True, raised)
         why = "raised as far as it may be"
         if risen_m < most_m:
             why = yield from _raise(context, stone)
         if why:
-            return angle_rad, (
-                f"the jaws stopped at {angle_rad:.2f} of {position_rad:.2f} rad, because they "
-                f"pressed so hard that they would have lifted the machine ({why})"
-            )
+            short = f"the jaws stopped at {angle_rad:.2f} of {position_rad:.2f} rad"
+            return LightDrive(angle_rad, False, _told(f"{short} ({why})"))
         risen_m += _STEP_M
+
+
+def _told(what: str) -> str:
+    return f"{what}, because the jaws pressed so hard that they would have lifted the machine"
 
 
 def _raise(context: Context, stone: int) -> Generator[Any, Any, str]:

@@ -52,7 +52,9 @@ def test_the_gripper_is_raised_until_the_jaws_press_no_more(fakes, world):
     context.payload_kg = lambda: pressing(world, until=2)
     leaf = CloseGripper(CloseGripper.Settings(), context)
     leaf.run = lambda: drive_lightly(context, 0.2, 9000.0, 1)
-    assert fakes.finish(leaf) == (0.5, "")
+    drive = fakes.finish(leaf)
+    assert (drive.angle_rad, drive.is_whole) == (0.5, True)
+    assert "raised by 0.10 m, because the jaws pressed so hard" in drive.told
     assert raises(world) == 2
     heights_m = [
         one["request"].T_map_gripper[2, 3] for one in context.plugins["motion"].calls("move")
@@ -77,9 +79,9 @@ def test_it_is_raised_by_what_the_tips_come_down_and_by_the_depth_of_soil_at_mos
     context.gripper = lambda: pose(R=R, t=np.array([5.0, 0.0, 1.5]))
     leaf = CloseGripper(CloseGripper.Settings(), context)
     leaf.run = lambda: drive_lightly(context, to_rad, None, 1)
-    angle_rad, pressed = fakes.finish(leaf)
-    assert (angle_rad, raises(world)) == (from_rad, steps)
-    assert "raised as far as it may be" in pressed
+    drive = fakes.finish(leaf)
+    assert (drive.angle_rad, drive.is_whole, raises(world)) == (from_rad, False, steps)
+    assert "raised as far as it may be" in drive.told
 
 
 def test_a_stone_that_is_to_be_carried_is_gripped_all_the_same(stage, world):
@@ -87,7 +89,7 @@ def test_a_stone_that_is_to_be_carried_is_gripped_all_the_same(stage, world):
     world.leaf_context.plugins["motion"] = stage.Scripted(MotionPlanner, move=NO_WAY)
     ended = world.tick(CloseGripper, stone=1)
     assert ended.status == "SUCCESS"
-    assert "lifted the machine (no way up: the boom would hit stone 2)" in ended.reason
+    assert "(no way up: the boom would hit stone 2), because the jaws pressed" in ended.reason
     assert [one.position_rad for one in commands(world)] == [0.0, 0.5, 0.0]
 
 
