@@ -2,12 +2,12 @@
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any
 
 from executive.interfaces.motion import MotionPlanner
 from executive.leaf.context import Context
 from executive.leaf.follow import follow
 from executive.leaf.jaws import drive_jaws
+from executive.leaf.job import Job
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import surroundings
 from executive.leaf.thrust import Thrust
@@ -34,7 +34,7 @@ class LightDrive:
 
 def drive_lightly(
     context: Context, position_rad: float, force_n: float | None, stone: int
-) -> Generator[Any, Any, LightDrive]:
+) -> Generator[Job[object] | None, object, LightDrive]:
     """Drive the jaws, and raise the gripper whenever they press so hard that they lift the machine.
 
     The tips of jaws that swing about their pivots come down on the way, deepest where the gripper
@@ -70,7 +70,7 @@ def _told(what: str) -> str:
     return f"{what}, because the jaws pressed so hard that they would have lifted the machine"
 
 
-def _raise(context: Context, stone: int) -> Generator[Any, Any, str]:
+def _raise(context: Context, stone: int) -> Generator[Job[object] | None, object, str]:
     """Raise the gripper by a step, with the jaws as they are; return why it was not."""
     T_map_gripper = context.gripper()
     T_map_gripper[2, 3] += _STEP_M

@@ -36,8 +36,8 @@ def test_one_word_shows_ports_units_claims_and_an_example(words):
     assert status == 0
     for shown in (
         "CloseGripper: action, from executive",
-        "drives: jaws",
-        "needs plugins for: robot, objects",
+        "drives: jaws, arm, cabin",
+        "needs plugins for: robot, motion, objects",
         "in   stone: int",
         "out  hold: Hold",
         "with force: force [N], may be left out (> 0)",
