@@ -66,10 +66,10 @@ class WetStone(Fault):
     """The stone is slippery for as long as it takes to slip by some centimetres.
 
     Whether it falls before it stands differs between seeds and between processors. On the one on
-    which they were chosen it did not with 8, 1 and 6. With 8 the second attempt places it.
+    which they were chosen it did not with 3, 1 and 8. With 3 the second attempt places it.
     """
 
-    seeds = (8, 1, 6)
+    seeds = (3, 1, 8)
 
     def begin(self, world):
         stone = world.model.body(world.site.stones[0].name)
