@@ -40,6 +40,17 @@ class TippingMoment:
         places_m, masses = self._places(q, load_kg)
         return np.asarray(-GRAVITY_M_S2 * masses @ self._outward(places_m))
 
+    def tipping_nm(self, q: Float, force_n: Float) -> Float:
+        """Return the moments by which a force on the tool tips the machine about each side, (K,).
+
+        Args:
+            q: Positions of the arm's joints [rad] or [m], shape (n,).
+            force_n: The force at the grasp centre, in axes of the base [N], shape (3,).
+        """
+        place_m = self._places(q, 0.0)[0][-1:]
+        sideways = self._sides[:, :2] @ force_n[:2]
+        return np.asarray(place_m[0, 2] * sideways - force_n[2] * self._outward(place_m)[0])
+
     def momentum(self, q: Float, dq: Float, load_kg: float) -> Float:
         """Return the momentum of all masses about each side, outwards positive [N·m·s], (K,).
 

@@ -2,6 +2,7 @@
 
 import inspect
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,6 +21,7 @@ from executive.leaf.context import Context
 from executive.leaf.job import Job
 from executive.leaf.runtime import Runtime
 from executive.leaf.store import Store
+from executive.machine.kinematics import Kinematics
 from executive.machine.machine import load_machine
 from executive.messages.base_state import BaseState
 from executive.messages.cloud import Cloud
@@ -77,6 +79,7 @@ class FakeContext(Context):
         ]
         self.velocities = lambda time_s: np.zeros(len(self._machine.arm_names))
         self.jaw = lambda time_s: 0.9
+        self.pushed = lambda time_s: np.zeros(3)  # by the ground at the tool [N]
 
     def now_s(self):
         return self.time_s
@@ -97,9 +100,15 @@ class FakeContext(Context):
     def joints(self):
         position = np.array([*self.positions(self.time_s), self.jaw(self.time_s)])
         velocity = np.array([*self.velocities(self.time_s), 0.0])
-        return JointSample(
-            self.time_s, self._machine.joint_names, position, velocity, np.zeros(len(position))
-        )
+        effort = np.append(-self._levers.T @ self.pushed(self.time_s), 0.0)
+        return JointSample(self.time_s, self._machine.joint_names, position, velocity, effort)
+
+    @cached_property
+    def _levers(self):
+        """Speeds of the grasp centre by those of the joints in the first posture, shape (3, n)."""
+        kinematics, q = Kinematics(self._machine), np.array(self.positions(0.0))
+        J, T = kinematics.jacobian(q), kinematics.gripper(q)
+        return J[:3] + np.cross(J[3:].T, T[:3, :3] @ self._machine.gripper.grasp_centre).T
 
     def arm(self):
         return np.array(self.positions(self.time_s))

@@ -82,11 +82,10 @@ def test_jaws_that_have_closed_below_a_stone_open_until_they_rise_past_it(
     assert gripper.opening_m(asked["command"].position_rad) == pytest.approx(expected_m, abs=0.05)
 
 
-@pytest.mark.parametrize(("up_kg", "stops"), [(500.0, False), (4000.0, True), (None, False)])
-def test_jaws_that_would_lift_the_machine_stop(world, database, up_kg, stops):
-    """The scan posture reaches 6 m out; half a ton there is no more than a stone weighs."""
-    context = world.leaf_context
-    context.payload_kg = lambda: up_kg and (-up_kg if context.time_s > 0.2 else 0.0)
+@pytest.mark.parametrize(("up_n", "stops"), [(5e3, False), (39e3, True)])
+def test_jaws_that_would_lift_the_machine_stop(world, database, up_n, stops):
+    """The scan posture reaches 4 m out; half a ton there is no more than a stone weighs."""
+    world.leaf_context.pushed = lambda time_s: np.array([0.0, 0.0, up_n if time_s > 0.2 else 0.0])
     ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
     assert (ended.status, "lifted the machine" in ended.reason) == ("SUCCESS", stops)
     commands = [one["command"] for one in plugins(world)["robot"].calls("command")]
@@ -96,8 +95,8 @@ def test_jaws_that_would_lift_the_machine_stop(world, database, up_kg, stops):
 
 
 def test_a_single_jerk_of_the_jaws_stops_nothing(world):
-    told = cycle([0.0, 1000.0, 500.0, 0.0, -4000.0, 500.0])
-    world.leaf_context.payload_kg = lambda: next(told)
+    told = cycle([0.0, -10e3, -5e3, 0.0, 39e3, -5e3])
+    world.leaf_context.pushed = lambda time_s: np.array([0.0, 0.0, next(told)])
     ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
     assert (ended.status, ended.reason) == ("SUCCESS", "")
 
