@@ -7,6 +7,10 @@ from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.tipping_moment import SHARE, TippingMoment
 from executive.messages.trajectory import JointTrajectory
 
+# Share of the mass by which a posture on the way may bear more: the curve between such postures
+# bulges by that.
+_ROOM = 0.05
+
 
 class CarriedLoad:
     """A stone of a known mass in the jaws.
@@ -28,6 +32,10 @@ class CarriedLoad:
         It is negative where the machine may not lift the stone.
         """
         return self._capacity.along(positions).rated_kg - self._mass_kg
+
+    def may_pass(self, q: Float) -> bool:
+        """Return whether the machine may carry the stone through a posture, with some room."""
+        return self.spare_kg(q[None]) >= _ROOM * self._mass_kg
 
     def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
         """Return a motion that uses at most 0.45 of what holds the machine.

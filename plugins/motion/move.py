@@ -24,6 +24,7 @@ _BESIDE_EACH_OTHER_M = 0.6  # tops closer than this need no lift between them
 _BESIDE_M = 1.5  # margin of the cleared sector beyond the radii of the gripper
 _BESIDE_RAD = 0.2  # margin of the cleared sector beyond its azimuths
 _DRAWN_M = (0.0, 0.3, 0.6)  # a load is drawn in by so much more than the posture `carry` has it
+_PARTS = (4, 8)  # into which a turn with a load is divided; the fewer, the smoother is the path
 _ALIKE_COS = 0.9994  # directions within 2 deg count as the same
 
 
@@ -146,12 +147,31 @@ class Move:
     def _drawn_in(
         self, leave: Line, lifts: list[Float | None], over: tuple[Float, ...], arrive: Line
     ) -> Iterator[HermitePath]:
-        """Yield paths that draw the load in before they turn, and put it out after that."""
+        """Yield paths that draw the load in while they turn, as far as it may be lifted there.
+
+        Then follow some that draw it in before they turn, and put it out after that.
+        """
+        for parts in _PARTS:
+            if (nodes := self._borne(over, parts)) is not None:
+                yield self._path(leave, [lifts[0], *nodes, lifts[1]], arrive)
         for nearer_m in _DRAWN_M:
             radius_m = self.waypoints.carry_radius_m - nearer_m
             drawn = [self.waypoints.drawn(q, radius_m) for q in over]
             if any(q is not None for q in drawn):
                 yield self._path(leave, [lifts[0], *drawn, lifts[1]], arrive)
+
+    def _borne(self, over: tuple[Float, ...], parts: int) -> list[Float] | None:
+        """Return postures from one to another in which the load may be lifted; None without."""
+        if self.load is None:
+            return None
+        nearest_m, nodes = self.waypoints.carry_radius_m - _DRAWN_M[-1], list[Float]()
+        for share in np.arange(1, parts) / parts:
+            q = (1 - share) * over[0] + share * over[1]
+            near = self.waypoints.drawn_until(q, nearest_m, self.load.may_pass)
+            if near is None:
+                return None
+            nodes.append(near)
+        return nodes
 
     def _lift(self, q: Float, lowest_m: float) -> Float | None:
         return self.waypoints.lift(

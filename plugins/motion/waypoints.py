@@ -1,5 +1,6 @@
 """Waypoints of a move: straight up from the start, over obstacles, straight down to the goal."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,6 +98,29 @@ class Waypoints:
                 return None
             q = found
         return q
+
+    def drawn_until(
+        self, q: Float, nearest_m: float, is_near: Callable[[Float], bool]
+    ) -> Float | None:
+        """Return positions as `drawn` does, only as near as it takes; None if it takes more.
+
+        Args:
+            q: Positions to begin with; they are returned if they are near enough.
+            nearest_m: The least radius that is tried.
+            is_near: Whether positions are near enough; what is nearer than such is, too.
+        """
+        if is_near(q):
+            return q
+        near_m, far_m = nearest_m, float(np.hypot(*self._kinematics.gripper(q)[:2, 3]))
+        found: Float | None = None
+        while far_m - near_m > 2 * _CLIMBED_M:
+            middle_m = (near_m + far_m) / 2
+            drawn = self.drawn(q, middle_m)
+            if drawn is not None and not is_near(drawn):
+                far_m = middle_m
+                continue
+            near_m, found = middle_m, found if drawn is None else drawn
+        return found
 
     @property
     def carry_radius_m(self) -> float:

@@ -214,11 +214,18 @@ def test_arrivals_are_sought_from_below_and_from_above_near_the_present_posture_
 
 
 class Load:
-    """Spares what is given for each path, one after the other, and enough at the ends."""
+    """Spares what is given for each path, one after the other, and enough at the ends.
 
-    def __init__(self, *spares_kg: float, at_ends_kg: float = 100.0) -> None:
+    It may pass where the gripper is near enough, by default nowhere.
+    """
+
+    def __init__(self, *spares_kg: float, at_ends_kg: float = 100.0, within_m: float = 0.0) -> None:
         self.spares_kg, self.at_ends_kg = list(spares_kg), at_ends_kg
+        self.within_m, self.gripper = within_m, Kinematics(load_machine("m545")).gripper
         self.asked: list[Float] = []
+
+    def may_pass(self, q: Float) -> bool:
+        return bool(np.hypot(*self.gripper(q)[:2, 3]) <= self.within_m)
 
     def spare_kg(self, positions: Float) -> float:
         if len(positions) == 1:
@@ -251,6 +258,28 @@ def test_a_load_that_is_too_heavy_on_the_direct_path_is_drawn_in(machine: Machin
     np.testing.assert_array_equal(found.position, drawn)
     assert radius_m(machine, drawn) < made.waypoints.carry_radius_m + 0.05
     assert radius_m(machine, direct) > made.waypoints.carry_radius_m + 0.5
+
+
+def test_a_load_is_drawn_in_while_the_cabin_turns_and_only_as_far_as_it_takes(
+    machine: Machine,
+) -> None:
+    ends = [far_out(machine, move(machine), angle_rad) for angle_rad in (0.0, 1.5)]
+    carry_m = move(machine).waypoints.carry_radius_m
+    turning, before = (
+        replace(move(machine, None, None), load=Load(-50.0, 20.0, within_m=within_m))
+        for within_m in (carry_m + 0.5, 0.0)
+    )
+    quick, slow = turning.travel(*ends), before.travel(*ends)
+    assert isinstance(quick, JointTrajectory)
+    assert isinstance(slow, JointTrajectory)
+    assert quick.duration_s < slow.duration_s - 1.0
+    assert carry_m + 0.3 < radius_m(machine, quick.position) < carry_m + 0.55
+    turn, half = machine.arm_names.index(machine.turn_joint), len(quick.position) // 4
+    begun = quick.position[half, turn] - quick.position[0, turn]
+    assert begun > 0.1
+    assert slow.position[len(slow.position) // 4, turn] == pytest.approx(
+        slow.position[0, turn], abs=0.02
+    )
 
 
 def test_the_path_with_the_greatest_capacity_is_taken_if_none_is_enough(machine: Machine) -> None:

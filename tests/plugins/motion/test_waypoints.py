@@ -9,6 +9,7 @@ from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.settings import InverseKinematicsSettings
 from executive_plugins.motion.waypoints import Line, Waypoints, join, reach_below_m
 
+from executive.arrays import Float
 from executive.geometry.pose import pose
 from executive.geometry.rotation import angle_between
 from executive.machine.kinematics import Kinematics
@@ -161,3 +162,18 @@ def test_a_load_that_is_near_already_or_gets_no_nearer_is_not_drawn_in(
     machine: Machine, waypoints: Waypoints, radius_m: float
 ) -> None:
     assert waypoints.drawn(machine.posture("carry"), radius_m) is None
+
+
+def test_a_load_is_drawn_in_only_as_far_as_it_takes(machine: Machine, waypoints: Waypoints) -> None:
+    gripper, carry = Kinematics(machine).gripper, machine.posture("carry")
+    out = waypoints._ik.solve(pose(t=np.array([1.5, 0.0, 0.5])) @ gripper(carry), carry)
+    nearest_m = waypoints.carry_radius_m - 0.6
+
+    def radius_m(q: Float) -> float:
+        return float(np.hypot(*gripper(q)[:2, 3]))
+
+    found = waypoints.drawn_until(out, nearest_m, lambda q: radius_m(q) < 4.6)
+    assert found is not None
+    assert 4.45 < radius_m(found) < 4.6
+    assert waypoints.drawn_until(out, nearest_m, lambda q: True) is out
+    assert waypoints.drawn_until(out, nearest_m, lambda q: radius_m(q) < 3.0) is None
