@@ -126,9 +126,18 @@ def test_a_plugin_is_given_the_one_that_it_names(run, tmp_path):
     assert made["grasping"]._arm._motion is made["motion.slow"]
 
 
-@pytest.mark.parametrize(("base", "may_tip"), [("welded", False), ("on_legs", True)])
-def test_a_machine_on_legs_may_tip_which_limits_its_lifts(base, may_tip):
-    mujoco = Selection("mujoco", MujocoSettings(base=base))
+@pytest.mark.parametrize(
+    ("chosen", "may_tip"),
+    [
+        ({}, True),
+        ({"scenario": "harsh"}, True),
+        ({"scenario": "kind"}, False),
+        ({"base": "welded"}, False),
+        ({"scenario": "kind", "base": "on_legs"}, True),
+    ],
+)
+def test_a_machine_on_legs_may_tip_which_limits_its_lifts(chosen, may_tip):
+    mujoco = Selection("mujoco", MujocoSettings(**chosen))
     machine = assemble({"robot": (mujoco,)}, "m545", 1).machine
     assert machine.stance.limits_by_tipping("by_base") == may_tip
     assert not machine.stance.limits_by_tipping("payload")

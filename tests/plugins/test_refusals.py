@@ -53,6 +53,17 @@ def test_a_base_on_wheels_needs_a_machine_that_drives() -> None:
     assert places(MujocoSettings(), fixed) == []
 
 
+def test_a_base_that_may_tip_needs_points_of_support() -> None:
+    bare = M545.model_copy(update={"stance": M545.stance.model_copy(update={"supports_m": ()})})
+    for scenario, base, expected in (
+        ("nominal", "by_scenario", [("base",)]),
+        ("kind", "by_scenario", []),
+        ("nominal", "welded", []),
+        ("kind", "on_legs", [("base",)]),
+    ):
+        assert places(MujocoSettings(scenario=scenario, base=base), bare) == expected
+
+
 def test_a_folder_of_stones_is_there(tmp_path: Path) -> None:
     for folder, expected in (
         (tmp_path, []),

@@ -59,8 +59,8 @@ class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness)
         site_rng, sensor_rng = self._rng.spawn(2)
         physics, scenario = self.settings.physics, self.settings.scenario
         site = make_site(self.settings.site, self._machine, physics, site_rng, scenario)
-        legs = self.settings.legs if self.settings.base == "on_legs" else None
-        on_wheels = self.settings.base == "on_wheels"
+        legs = self.settings.legs if self.settings.footing == "on_legs" else None
+        on_wheels = self.settings.footing == "on_wheels"
         valves = self._rng.spawn(1)[0] if self.settings.drive == "hydraulic" else None
         self._world = World(
             self._machine, site, physics, scenario, legs, valves, on_wheels=on_wheels

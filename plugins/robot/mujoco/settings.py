@@ -25,10 +25,11 @@ class MujocoSettings(RobotSettings):
     scenario: Scenario = Field(
         "nominal", description="Physics of the world, from kind to harsh; see docs/simulator.md."
     )
-    base: Literal["welded", "on_legs", "on_wheels"] = Field(
-        "welded",
+    base: Literal["by_scenario", "welded", "on_legs", "on_wheels"] = Field(
+        "by_scenario",
         description="Whether the chassis is fixed to the ground, stands on its legs (it sways, and "
-        "may tip), or on its wheels (it drives).",
+        "may tip), or on its wheels (it drives). `by_scenario` is `welded` in `kind`, and "
+        "`on_legs` in the others.",
     )
     drive: Literal["servo", "hydraulic"] = Field(
         "servo",
@@ -43,12 +44,19 @@ class MujocoSettings(RobotSettings):
     )
 
     @property
+    def footing(self) -> Literal["welded", "on_legs", "on_wheels"]:
+        """What the chassis stands on in this scenario."""
+        if self.base != "by_scenario":
+            return self.base
+        return "welded" if self.scenario == "kind" else "on_legs"
+
+    @property
     def may_tip(self) -> bool:
-        return self.base != "welded"
+        return self.footing != "welded"
 
     @property
     def support_n_m(self) -> float | None:
-        return self.legs.stiffness_n_m if self.base == "on_legs" else None
+        return self.legs.stiffness_n_m if self.footing == "on_legs" else None
 
     def refusals(self, machine: Machine) -> Iterator[Refusal]:
         for i, dropout in enumerate(self.sensors.dropouts):
@@ -56,10 +64,13 @@ class MujocoSettings(RobotSettings):
                 near = did_you_mean(dropout.sensor, machine.sensors)
                 told = f"{machine.name} has no sensor '{dropout.sensor}'{near}"
                 yield Refusal(("sensors", "dropouts", i, "sensor"), told)
-        if self.base != "welded" and len(machine.stance.supports_m) < 3:
-            told = f"{machine.name} has no points of support (stance.supports_m of its robot.yaml)"
+        if self.may_tip and len(machine.stance.supports_m) < 3:
+            told = (
+                f"{machine.name} has no points of support (stance.supports_m of its robot.yaml): "
+                "give them, or choose `welded`"
+            )
             yield Refusal(("base",), told)
-        if self.base == "on_wheels" and machine.driving is None:
+        if self.footing == "on_wheels" and machine.driving is None:
             yield Refusal(("base",), f"{machine.name} does not drive (driving of its robot.yaml)")
         if self.drive == "hydraulic" and machine.hydraulics is None:
             told = f"{machine.name} has no hydraulics (in its robot.yaml): choose `servo`"

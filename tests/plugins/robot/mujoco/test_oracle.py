@@ -24,7 +24,7 @@ from executive.messages.stone_event import StoneEvent
 
 MACHINE = load_machine("m545")
 SETTINGS = MujocoSettings.model_validate(
-    {"site": {"stones": {"count": 2}, "terrain": {"half_size_m": 10}}}
+    {"base": "welded", "site": {"stones": {"count": 2}, "terrain": {"half_size_m": 10}}}
 )
 FAR = np.array([-8.0, 0.0, 3.0])  # in the air, away from everything
 STEP_S = 0.01
