@@ -169,7 +169,11 @@ def _time_lines(report: MissionReport) -> list[str]:
 def _truth_lines(truth: Truth | None) -> list[str]:
     if truth is None:
         return []
-    lines = [f"  physics    {truth.scenario}"]
+    standing = ""
+    if truth.stance:
+        tilt_deg = np.degrees(truth.stance.most_tilt_rad)
+        standing = f", on its legs, tilted by {tilt_deg:.1f}° at most"
+    lines = [f"  physics    {truth.scenario}{standing}"]
     errors = [one.slot_error_m for one in truth.stones if one.slot_error_m is not None]
     if errors:
         near = sum(error <= NEAR_M for error in errors)

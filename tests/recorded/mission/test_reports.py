@@ -28,6 +28,7 @@ from executive.interfaces.truth import (
     Collision,
     EstimateErrors,
     PositionErrors,
+    Stance,
     TrueStone,
     Truth,
 )
@@ -122,6 +123,7 @@ def test_summaries(recorded) -> None:
         report(counts={"registrations": 2, "registrations_accepted": 1, "plugin_failures": 1}),
         report(ignored_observations={"Strange": 7}, truth=truth),
         report(truth=blank(Truth)),
+        report(truth=blank(Truth, scenario="nominal", stance=Stance(0.02, 0.4))),
         report(truth=dataclasses.replace(truth, collisions=None)),
         report(
             counts=all_counts,
