@@ -199,9 +199,18 @@ class Distances:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapErrors:
-    """How far the points of the map at the end are from the true surface at that time."""
+    """How far the points of the map at the end are from the true surface at that time.
+
+    Attributes:
+        distance_m: Distances of the points to it, which have no sign.
+        bias_m: Mean of the signed distances of points within 0.5 m, positive outside of ground and
+            stones [m]; None without such points.
+        std_m: Standard deviation of the same [m]; None without such points.
+    """
 
     distance_m: Distances
+    bias_m: float | None
+    std_m: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,7 +74,7 @@ TRUTH = {
             "error_rad": 0.01,
         }
     ],
-    "map": {"distance_m": {"median": 0.01, "p95": 0.05}},
+    "map": {"distance_m": {"median": 0.01, "p95": 0.05}, "bias_m": 0.001, "std_m": 0.01},
     "registration": {"error_m": 0.02, "error_rad": 0.001},
     "limits": [
         {

@@ -123,7 +123,7 @@ REPORT = blank(
         ),
         collisions=(HIT, HIT),
         estimate=EstimateErrors(POSITIONS, AngleErrors(0.0, 0.0, 0.0)),
-        map=MapErrors(Distances(0.03, 0.0)),
+        map=MapErrors(Distances(0.03, 0.0), 0.002, 0.01),
         registration=RegistrationErrors(0.6, 0.0),
         realignments=(release(0.1, realigned=True), release(0.2, realigned=False)),
         objects=KnownObjects(stones=4, known=3, twice=2, ghosts=1),
@@ -227,6 +227,8 @@ EXPECTED = {
     "estimator_error": Values((0.02,)),
     "estimator_error_max": Values((0.07,)),
     "map_error": Values((0.03,)),
+    "map_bias": Values((0.002,)),
+    "map_std": Values((0.01,)),
     "database_error_m": Values((0.2, 0.4, 0.1)),
     "database_error_rad": Values((0.1, 0.2, 0.05)),
     "settled_error_m": Values((0.3, 0.6)),
@@ -388,6 +390,14 @@ def test_a_figure_of_a_mission_is_a_metric() -> None:
 def test_what_an_oracle_does_not_observe_is_not_measured() -> None:
     unknown = with_truth()
     names = ("lifted", "held", "drops_found", "drops_missed", "false_alarms", "collisions")
-    more = ("estimator_error", "map_error", "registration_error", "stones_known", "ghosts")
+    more = (
+        "estimator_error",
+        "map_error",
+        "map_bias",
+        "map_std",
+        "registration_error",
+        "stones_known",
+        "ghosts",
+    )
     releases = ("realigned", "realignment_error_m", "settled_error_rad")
     assert {measured(name, unknown, ()) for name in (*names, *more, *releases)} == {None}

@@ -68,6 +68,42 @@ class MapError(Metric):
         return Values((truth.map.distance_m.median,))
 
 
+class MapBias(Metric):
+    """Mean signed distance of the map from the true surface."""
+
+    title = "bias of the map"
+    unit = "m"
+    is_more_better = False
+    description = (
+        "Signed distance of the points of the map at the end from the true surface of ground and"
+        " stones at that time, positive outside: the mean over the points of a run within 0.5 m."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        truth = run.report.truth
+        if truth is None or not truth.map or truth.map.bias_m is None:
+            return None
+        return Values((truth.map.bias_m,))
+
+
+class MapDeviation(Metric):
+    """Standard deviation of the signed distance of the map from the true surface."""
+
+    title = "standard deviation of the map"
+    unit = "m"
+    is_more_better = False
+    description = (
+        "Signed distance of the points of the map at the end from the true surface of ground and"
+        " stones at that time: the standard deviation over the points of a run within 0.5 m."
+    )
+
+    def measure(self, run: RunRecord) -> Values | None:
+        truth = run.report.truth
+        if truth is None or not truth.map or truth.map.std_m is None:
+            return None
+        return Values((truth.map.std_m,))
+
+
 class Registrations(Metric):
     """Registrations of the drone's map that were accepted."""
 

@@ -41,9 +41,16 @@ class TrueSurface:
         if not len(points_map):
             return Nothing()
         points = _sample(points_map)
-        nearest, _ = self._mesh.nearest(points)
-        median, p95 = np.percentile(np.linalg.norm(nearest - points, axis=1), [50, 95])
-        return MapErrors(Distances(float(median), float(p95)))
+        nearest, normals = self._mesh.nearest(points)
+        distances = np.linalg.norm(nearest - points, axis=1)
+        median, p95 = np.percentile(distances, [50, 95])
+        outwards = np.sign(np.einsum("ij,ij->i", points - nearest, normals))
+        signed = (outwards * distances)[distances < _FAR_M]
+        return MapErrors(
+            distance_m=Distances(float(median), float(p95)),
+            bias_m=float(signed.mean()) if len(signed) else None,
+            std_m=float(signed.std()) if len(signed) else None,
+        )
 
     def misplacement(self, points_map: Float) -> Nothing | RegistrationErrors:
         """Return how far a cloud as a whole is from where it fits the surface best.

@@ -248,10 +248,17 @@ def test_measures_the_distance_of_the_map_to_the_ground_and_the_stones_of_the_en
     show = Show()
     vertices, _ = show.robot.world.site.terrain.mesh()
     on_ground = vertices[np.abs(vertices[:, :2]).max(axis=1) < 9]
-    exact = show.truth(map_cloud=Cloud("map", on_ground))["map"]["distance_m"]
-    assert exact == pytest.approx({"median": 0.0, "p95": 0.0}, abs=1e-5)
+    exact = show.truth(map_cloud=Cloud("map", on_ground))["map"]
+    assert exact["distance_m"] == pytest.approx({"median": 0.0, "p95": 0.0}, abs=1e-5)
+    assert [exact["bias_m"], exact["std_m"]] == pytest.approx([0.0, 0.0], abs=1e-5)
+    for off_m in (-0.02, 0.02):
+        off = show.truth(map_cloud=Cloud("map", on_ground + np.array([0.0, 0.0, off_m])))["map"]
+        assert off["bias_m"] == pytest.approx(off_m, abs=2e-3)
+        assert off["std_m"] < 0.003
     lifted = Cloud("map", on_ground + np.array([0.0, 0.0, 6.0]))
-    assert show.truth(map_cloud=lifted)["map"]["distance_m"]["median"] > 4
+    far = show.truth(map_cloud=lifted)["map"]
+    assert far["distance_m"]["median"] > 4
+    assert (far["bias_m"], far["std_m"]) == (None, None)
     show.put("stone_1", FAR)
     show.play(0.2)
     stone_1 = show.robot.world.site.stones[0]
