@@ -15,7 +15,7 @@ from executive.campaign.execution.disk_space import DiskFullError, is_space_left
 from executive.campaign.figures.measurement import measure, record_of
 from executive.config import Settings
 from executive.interfaces.work import Piece, Work
-from executive.mission.assembly import Selections, assemble, needed_for
+from executive.mission.assembly import Selections, assemble_for, machine_of, needed_for
 from executive.mission.options import Options
 from executive.mission.preset_answers import preset_answers
 from executive.mission.run import Run
@@ -47,7 +47,8 @@ class MissionWork(Work):
         if repr(chosen) in _started:
             return
         _started.add(repr(chosen))
-        assembly = assemble(chosen, model_of(description), seed=0)
+        machine = machine_of(description.plugins, model_of(description))
+        assembly = assemble_for(machine, chosen, seed=0)
         try:
             assembly.start()
         finally:

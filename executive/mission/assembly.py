@@ -51,13 +51,21 @@ class Assembly:
 
 
 def assemble(selections: Selections, model: str, seed: int) -> Assembly:
-    """Make the selected plugins, dependencies first.
+    """Make the selected plugins, dependencies first, for the machine of a name or folder.
 
     Raises:
         ConfigError: If a plugin needs a capability that is not selected, or plugins need each other
             in a circle.
     """
-    machine = _machine(selections, model)
+    return assemble_for(machine_of(selections, model), selections, seed)
+
+
+def assemble_for(machine: Machine, selections: Selections, seed: int) -> Assembly:
+    """Make the selected plugins for a machine, as `machine_of` all selections of a mission is.
+
+    Raises:
+        ConfigError: As `assemble` does.
+    """
     made: dict[str, Any] = {}
     order: list[Plugin] = []
 
@@ -100,8 +108,13 @@ def assemble(selections: Selections, model: str, seed: int) -> Assembly:
     return Assembly(machine, made, tuple(order))
 
 
-def _machine(selections: Selections, model: str) -> Machine:
-    """Return the machine; it may tip, and its jaws do not dig, where the robot says so."""
+def machine_of(selections: Selections, model: str) -> Machine:
+    """Return the machine; it may tip, and its jaws do not dig, where the robot says so.
+
+    Args:
+        selections: All that a mission selects, its robot included.
+        model: Name or folder of the machine.
+    """
     machine = load_machine(model)
     chosen = [one.settings for one in selections.get("robot", ())]
     robots = [settings for settings in chosen if isinstance(settings, RobotSettings)]

@@ -142,14 +142,14 @@ def test_a_machine_may_tip_and_lean_where_its_robot_says_so(
 ):
     monkeypatch.setattr(assembly, "RobotSettings", SimpleNamespace)
     settings = SimpleNamespace(may_tip=may_tip, support_n_m=support_n_m, ground="soil")
-    stance = assembly._machine({"robot": (SimpleNamespace(settings=settings),)}, "m545").stance
+    stance = assembly.machine_of({"robot": (SimpleNamespace(settings=settings),)}, "m545").stance
     assert (stance.is_free, stance.support_n_m) == (may_tip, expected)
 
 
 @pytest.mark.parametrize(("ground", "digs_m"), [("soil", 0.13), ("rock", 0.0)])
 def test_the_jaws_of_a_machine_go_into_the_ground_unless_it_is_rock(ground, digs_m):
     chosen = SimpleNamespace(settings=RobotSettings(ground=ground))
-    machine = assembly._machine({"robot": (chosen,)}, "m545")
+    machine = assembly.machine_of({"robot": (chosen,)}, "m545")
     assert machine.gripper.digs_m == digs_m
     assert not machine.stance.is_free
 

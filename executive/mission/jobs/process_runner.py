@@ -7,7 +7,7 @@ from typing import Any
 
 from executive import registry
 from executive.events.mission import WorkerReplaced
-from executive.mission.assembly import Selections, needed_for
+from executive.mission.assembly import Selections, machine_of, needed_for
 from executive.mission.jobs.limits import DEFAULT, Limits
 from executive.mission.jobs.runner import InlineRunner, Task
 from executive.mission.jobs.serving import serve
@@ -37,8 +37,9 @@ class ProcessRunner(InlineRunner):
         self._selections = selections
         self._workers: dict[str, Worker] = {}
         self._waiting, self._beside = OneThread(), BesideTick()
+        machine = machine_of(selections, model)
         self._make: Callable[[str], Worker] = lambda capability: Worker(
-            capability, needed_for(selections, capability), model, seed, limits, tell
+            capability, needed_for(selections, capability), machine, seed, limits, tell
         )
 
     def submit(self, task: Task) -> Future[Any]:

@@ -15,7 +15,8 @@ from executive.clock import wall_s
 from executive.confined.memory import MemoryLimit
 from executive.errors import RobotError
 from executive.interfaces.plugin import Plugin
-from executive.mission.assembly import Assembly, Selections, assemble, selected_plugins
+from executive.machine.machine import Machine
+from executive.mission.assembly import Assembly, Selections, assemble_for, selected_plugins
 from executive.mission.fault import REMOTE, fault_of
 from executive.mission.garbage import RETURN_PERIOD_S, return_free_memory, spare_what_is_made
 from executive.mission.jobs.call import Address, CallError, NotPortableError, VerbCall
@@ -32,7 +33,7 @@ def serve(
     connection: Connection,
     capability: str,
     selections: Selections,
-    model: str,
+    machine: Machine,
     seed: int,
     memory_bytes: int,
     stack: Path,
@@ -42,7 +43,7 @@ def serve(
     with stack.open("w", encoding="utf-8") as dump:
         faulthandler.enable(dump)
         faulthandler.register(signal.SIGUSR1, dump, all_threads=False)
-        assembly = _started(connection, selections, model, seed)
+        assembly = _started(connection, selections, machine, seed)
         if assembly is None:
             return
         plugin = assembly.plugins[capability]
@@ -69,11 +70,11 @@ def _live_and_die_with_the_mission() -> None:
 
 
 def _started(
-    connection: Connection, selections: Selections, model: str, seed: int
+    connection: Connection, selections: Selections, machine: Machine, seed: int
 ) -> Assembly | None:
     plugins: Mapping[str, Any] = {}
     try:
-        assembly = assemble(selections, model, seed)
+        assembly = assemble_for(machine, selections, seed)
         plugins = assembly.plugins
         assembly.start()
     except (Exception, SystemExit) as error:

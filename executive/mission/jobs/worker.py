@@ -9,6 +9,7 @@ from typing import Any
 
 from executive.errors import RobotError
 from executive.events.mission import WorkerReplaced
+from executive.machine.machine import Machine
 from executive.mission.assembly import Selections
 from executive.mission.jobs.call import (
     NotPortableError,
@@ -35,7 +36,7 @@ class Worker:
         self,
         capability: str,
         selections: Selections,
-        model: str,
+        machine: Machine,
         seed: int,
         limits: Limits = DEFAULT,
         tell: Callable[[WorkerReplaced], None] = lambda _: None,
@@ -45,7 +46,7 @@ class Worker:
         self._limits = limits
         self._tell = tell
         self._make: Callable[[], WorkerProcess] = lambda: WorkerProcess(
-            capability, selections, model, seed, limits
+            capability, selections, machine, seed, limits
         )
         self._calls: SimpleQueue[tuple[Task | None, Future[Any]] | None] = SimpleQueue()
         self._computing: Future[Any] | None = None

@@ -14,6 +14,7 @@ from typing import Any
 import psutil
 
 from executive.clock import wall_s
+from executive.machine.machine import Machine
 from executive.mission.assembly import Selections
 from executive.mission.jobs.limits import Limits
 from executive.mission.jobs.patience import Patience
@@ -40,13 +41,13 @@ class WorkerProcess:
     """
 
     def __init__(
-        self, capability: str, selections: Selections, model: str, seed: int, limits: Limits
+        self, capability: str, selections: Selections, machine: Machine, seed: int, limits: Limits
     ) -> None:
         handle, name = tempfile.mkstemp(prefix="executive-worker-", suffix=".stack")
         os.close(handle)
         self._stack = Path(name)
         self._limits = limits
-        self._arguments = (capability, selections, model, seed, limits.memory_bytes, self._stack)
+        self._arguments = (capability, selections, machine, seed, limits.memory_bytes, self._stack)
         self._process: Any = None
         self._spent_s = 0.0
         self._connection: Connection | None = None

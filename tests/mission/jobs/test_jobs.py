@@ -14,6 +14,8 @@ import pytest
 from executive.clock import SimulatedClock, WallClock
 from executive.errors import ConfigError
 from executive.interfaces.plugin import Plugin
+from executive.machine.machine import load_machine
+from executive.mission.jobs import process_runner
 from executive.mission.jobs.call import Address, VerbCall, VerbOverdueError
 from executive.mission.jobs.jobs import Jobs
 from executive.mission.jobs.limits import DEFAULT
@@ -204,7 +206,7 @@ def test_a_worker_process_computes_what_the_inline_runner_computes():
 
 def test_a_worker_that_died_between_two_calls_is_replaced_and_told():
     told = []
-    worker = Worker("segmentation", segmentation(), "m545", 1, tell=told.append)
+    worker = Worker("segmentation", segmentation(), load_machine("m545"), 1, tell=told.append)
     try:
         assert worker.submit(segment(stones_on_a_plane())).result(60).segments
         worker._process.kill()
@@ -214,10 +216,28 @@ def test_a_worker_that_died_between_two_calls_is_replaced_and_told():
         worker.close()
 
 
+@pytest.mark.parametrize("base", ["welded", "on_legs"])
+def test_a_worker_has_the_machine_of_the_robot_that_it_does_not_make(monkeypatch, base):
+    """A planner in a process of its own had taken a machine on legs for one that cannot tip."""
+    machines = []
+
+    def noted(capability, selections, machine, *more):
+        assert "robot" not in selections
+        machines.append(machine)
+        return SimpleNamespace(prepare=lambda: None, close=lambda: None)
+
+    monkeypatch.setattr(process_runner, "Worker", noted)
+    robot = Selection("mujoco", settings_of("robot", "mujoco")(base=base))
+    runner = ProcessRunner({**segmentation(), "robot": (robot,)}, "m545", 1)
+    runner.prepare("segmentation")
+    runner.close()
+    assert [one.stance.is_free for one in machines] == [base == "on_legs"]
+
+
 def test_an_error_in_a_worker_comes_back_as_it_is():
     from executive.errors import ExecutiveError
 
-    worker = Worker("segmentation", segmentation(), "m545", 1)
+    worker = Worker("segmentation", segmentation(), load_machine("m545"), 1)
     try:
         with pytest.raises((ExecutiveError, AttributeError, TypeError)):
             worker.submit(segment(SimpleNamespace(points="nonsense"))).result(60)

@@ -11,10 +11,13 @@ import pytest
 from executive.errors import ConfigError, RobotError
 from executive.faults.description import PluginFault
 from executive.faults.plugin_faults import InjectedError
+from executive.machine.machine import load_machine
 from executive.mission.fault import REMOTE
 from executive.mission.jobs import faulty_call, serving
 from executive.mission.jobs.call import NotPortableError, VerbCall
 from executive.mission.jobs.faulty_call import DecidedCall, decided
+
+MACHINE = load_machine("m545")
 
 
 class Plugin:
@@ -83,7 +86,7 @@ def assembly(monkeypatch: pytest.MonkeyPatch) -> Assembly:
     name_of = lambda plugins: [("motion", "doubler", one) for one in plugins.values()]
     monkeypatch.setattr(serving, "selected_plugins", name_of)
     monkeypatch.setattr("executive.mission.fault.selected_plugins", name_of)
-    monkeypatch.setattr(serving, "assemble", lambda selections, model, seed: made)
+    monkeypatch.setattr(serving, "assemble_for", lambda machine, selections, seed: made)
     return made
 
 
@@ -169,7 +172,7 @@ def test_calls_are_answered_until_the_connection_is_closed(
 ) -> None:
     stack = tmp_path / "stack.txt"
     connection = Connection(VerbCall("twice", [1.0], {}), VerbCall("twice", [2.0], {}))
-    serving.serve(connection, "motion", {}, "m545", 1, 10**9, stack)
+    serving.serve(connection, "motion", {}, MACHINE, 1, 10**9, stack)
     assert connection.sent == [None, (False, 2.0), (False, 4.0)]
     assert assembly.is_closed
     usr1 = (signal.SIGUSR1, str(stack), False)
@@ -181,7 +184,7 @@ def test_a_plugin_that_does_not_start_is_asked_nothing(
 ) -> None:
     assembly.fails = ConfigError("no mesh")
     connection = Connection(VerbCall("twice", [1.0], {}))
-    serving.serve(connection, "motion", {}, "m545", 1, 10**9, tmp_path / "stack.txt")
+    serving.serve(connection, "motion", {}, MACHINE, 1, 10**9, tmp_path / "stack.txt")
     assert len(connection.sent) == 1
     assert not {10**9, "collector"} & set(limits)
 

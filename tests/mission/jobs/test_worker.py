@@ -8,9 +8,12 @@ from typing import Any
 
 import pytest
 
+from executive.machine.machine import load_machine
 from executive.mission.jobs.call import NotPortableError, VerbOverdueError, WorkerDiedError
 from executive.mission.jobs.worker import Worker
 from executive.mission.jobs.worker_process import EndedError
+
+MACHINE = load_machine("m545")
 
 PATIENCE_S = 30.0
 SELECTIONS = {"motion": (SimpleNamespace(name="hermite"),)}
@@ -54,7 +57,7 @@ class Stand:
         self.told: list[tuple[str, str]] = []
         limits = SimpleNamespace(start_s=5.0)
         self.worker = Worker(
-            "motion", SELECTIONS, "m545", 1, limits, lambda e: self.told.append((e.verb, e.reason))
+            "motion", SELECTIONS, MACHINE, 1, limits, lambda e: self.told.append((e.verb, e.reason))
         )
         left = iter(processes)
         self.worker._make = lambda: next(left)

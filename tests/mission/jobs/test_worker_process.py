@@ -10,9 +10,12 @@ from typing import Any
 import psutil
 import pytest
 
+from executive.machine.machine import load_machine
 from executive.mission.jobs import worker_process
 from executive.mission.jobs.serving import serve
 from executive.mission.jobs.worker_process import EndedError, WorkerProcess
+
+MACHINE = load_machine("m545")
 
 
 class Connection:
@@ -79,7 +82,7 @@ class Patience:
 
 
 def worker(connection: Connection | None = None, process: Process | None = None) -> WorkerProcess:
-    made = WorkerProcess("motion", {}, "m545", 7, SimpleNamespace(memory_bytes=10, start_s=5.0))
+    made = WorkerProcess("motion", {}, MACHINE, 7, SimpleNamespace(memory_bytes=10, start_s=5.0))
     made._connection, made._process = connection, process
     return made
 
@@ -111,7 +114,7 @@ def test_it_starts_a_process_that_serves_and_waits_for_its_word(
         with pytest.raises(ValueError, match="no mesh"):
             one.start()
     (stack,) = folder.glob("executive-worker-*.stack")
-    assert made == [(serve, (theirs, "motion", {}, "m545", 7, 10, stack), True)]
+    assert made == [(serve, (theirs, "motion", {}, MACHINE, 7, 10, stack), True)]
     assert (process.calls, theirs.is_closed, ours.is_closed) == (["start"], True, False)
     assert ours.waits == [5.0]
 
