@@ -18,6 +18,7 @@ from executive.leaf.calm import calm
 from executive.leaf.claims import Part
 from executive.leaf.follow import follow
 from executive.leaf.job import Job
+from executive.leaf.load_moment import LoadMoment
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -86,6 +87,7 @@ class TrialLift(Action[TrialLiftSettings]):
     lifts in missions that had passed with less than 0.96 of the stone's weight, as it was known
     later, 34 were placed, of 2,720 others 86 %. Without a monitor that weighs, it only waits.
 
+    A lift ends once what hangs is about to tip the machine (`LoadMoment`), and this fails then.
     A machine on its legs sinks under the load, by up to a decimetre: it lifts on until the gripper
     is as high in the map, and waits at the end while it sways so far that it might tip as it moves.
     An arm that is held back on its way up is told as such only if the whole stone hangs: jaws that
@@ -105,17 +107,20 @@ class TrialLift(Action[TrialLiftSettings]):
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
-        lifted = succeeded()
-        for lift in range(_LIFTS if self.context.machine().stance.is_free else 1):
+        lifted, load = succeeded(), LoadMoment(self.context)
+        for number in range(_LIFTS if self.context.machine().stance.is_free else 1):
             way_m = self.settings.height - risen_m(self.context, hold)
             if way_m <= _SUNK * self.settings.height or not lifted.success:
                 break
-            if lift == 0:
+            if number == 0:
                 way_m = self._first_m(way_m, stone.mass_kg)
             plan = yield from way_up(self.context, hold, way_m)
             if plan.trajectory is None:
                 return succeeded(reason=f"not tried, no path up: {plan.reason}")
-            lifted = yield from follow(self.context, plan.trajectory, stone.mass_kg)
+            lift = follow(self.context, plan.trajectory, stone.mass_kg)
+            lifted = yield from load.limited(lift)
+        if load.refusal:
+            return lifted
         return (yield from self._weighed(hold, lifted))
 
     def _first_m(self, way_m: float, mass_kg: float) -> float:
@@ -190,7 +195,8 @@ class TrialLift(Action[TrialLiftSettings]):
         plan = yield from way_up(self.context, hold, _HIGHER * self.settings.height)
         if plan.trajectory is None:
             return None
-        lifted = yield from follow(self.context, plan.trajectory)
+        lift = follow(self.context, plan.trajectory)
+        lifted = yield from LoadMoment(self.context).limited(lift)
         if not lifted.success:
             return None
         return (yield from hanging_precisely(self.context, self.settings.wait))

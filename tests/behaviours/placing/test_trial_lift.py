@@ -239,6 +239,20 @@ def test_a_machine_that_sinks_under_the_load_lifts_on_up_to_three_times(stage, w
         np.testing.assert_allclose(asked, [0.2, 0.2 * (1 - 0.4)])
 
 
+def test_a_load_that_would_tip_the_machine_is_not_lifted(stage, world):
+    """The arm stops on its way, nothing is raised again, and no carry begins."""
+    planned(stage, world)
+    machine = world.leaf_context.machine()
+    on_legs = machine.stance.model_copy(update={"is_free": True})
+    world.leaf_context.machine = lambda: machine.model_copy(update={"stance": on_legs})
+    world.leaf_context.payload = 9000.0
+    ended = world.tick(TrialLift, hold=world.hold)
+    assert (ended.status, "tip the machine here" in ended.reason) == ("FAILURE", True)
+    assert len(plugins(world)["motion"].calls("move")) == 1
+    assert len(plugins(world)["robot"].calls("stop")) == 1
+    assert "carry" not in world.leaf_context.holds
+
+
 @pytest.mark.parametrize(("share", "is_taken_on"), [(0.1, False), (1.0, True)])
 def test_a_heavy_load_is_taken_on_before_it_is_lifted(stage, world, database, share, is_taken_on):
     """A light one is lifted at once, by the way and by what the machine sinks by."""
