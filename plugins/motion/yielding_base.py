@@ -30,10 +30,15 @@ class YieldingBase:
         self._yields = machine.stance.support_n_m is not None
 
     def load(self, request: Request) -> CarriedLoad | None:
-        """Return the stone in the jaws of a machine that may tip; None if nobody has weighed it."""
+        """Return the stone in the jaws of a machine that may tip; None if nobody has weighed it.
+
+        It counts with the payload at most: nowhere does the machine lift more, and a stone of about
+        the payload, of which the most that it may weigh is asked about, would find no way.
+        """
         if not self._may_tip or request.held_gripper is None or request.held_kg is None:
             return None
-        return CarriedLoad(self._capacity, self._moment if self._yields else None, request.held_kg)
+        mass_kg = min(request.held_kg, self._machine.payload_kg)
+        return CarriedLoad(self._capacity, self._moment if self._yields else None, mass_kg)
 
     def sway_s(self, request: Request, postures: Sequence[Float]) -> float:
         """Return the longest period of the sway with the stone of a request in some postures [s].

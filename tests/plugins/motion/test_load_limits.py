@@ -133,6 +133,27 @@ def test_a_motion_with_a_load_uses_half_of_what_holds_the_machine(asked: Posture
     assert lasted_s[1] > 1.1 * lasted_s[0]
 
 
+def test_a_load_of_about_the_payload_is_drawn_in_as_far_as_the_payload_asks(
+    asked: PostureRequest,
+) -> None:
+    """At the most that it may weigh, two deviations more, it may be lifted nowhere."""
+    machine, turn = resting(True), np.eye(len(asked.start))[0]
+    goal = Kinematics(machine).gripper(asked.start + 2.35 * turn)
+    request = MoveRequest(
+        start=asked.start + 0.64 * turn,
+        T_map_gripper=goal,
+        T_map_base=np.eye(4),
+        leave_m=0.3,
+        arrive_m=0.3,
+        obstacles=asked.obstacles,
+        held_gripper=asked.held_gripper,
+        jaw_rad=0.3,
+        held_kg=1.05 * machine.payload_kg,
+    )
+    motion = moved_by(machine, request)
+    assert LiftCapacity(machine).along(motion.position).rated_kg > 0.99 * machine.payload_kg
+
+
 def test_an_empty_gripper_is_not_slowed_by_a_sway(asked: PostureRequest) -> None:
     empty = replace(raised(asked), held_gripper=None)
     assert raised_by(True, empty).duration_s == raised_by(False, empty).duration_s
