@@ -120,6 +120,7 @@ class TrialLift(Action[TrialLiftSettings]):
             lift = follow(self.context, plan.trajectory, stone.mass_kg)
             lifted = yield from load.limited(lift)
         if load.refusal:
+            self._record_overload(hold, stone, load)
             return lifted
         return (yield from self._weighed(hold, lifted))
 
@@ -142,6 +143,14 @@ class TrialLift(Action[TrialLiftSettings]):
         may_tip = TippingMoment(machine).holding_nm(q, 2 * mass_kg).min() < 0.0
         is_much = sunk_m > _SUNK * self.settings.height
         return sunk_m if is_much or (may_tip and sunk_m > 0.0) else way_m + sunk_m
+
+    def _record_overload(self, hold: Hold, stone: Stone, load: LoadMoment) -> None:
+        stones = self.context.use(ObjectDatabase).stones()
+        sure_kg = asked_of(stone, stones, self.settings.borne).sure_kg
+        up_m, tipping_kg = risen_m(self.context, hold), load.tipping_kg
+        self.context.record(
+            StoneNotLifted(stone.id, up_m, load.hangs_kg, sure_kg, tipping_kg=tipping_kg)
+        )
 
     def _weighed(self, hold: Hold, lifted: Outcome[None]) -> Steps[None]:
         """Wait, weigh the stone meanwhile, and judge it by that, and by how the arm got up."""

@@ -100,6 +100,7 @@ class StoneNotLifted(Event):
         hanging_kg: What hangs in the jaws [kg].
         least_kg: Mass from which it would have been taken to hang free [kg].
         higher_kg: What hung in the jaws as it was raised on [kg]; None if it was not.
+        tipping_kg: Load that tips the machine there, if the lift was stopped before that [kg].
     """
 
     stone: int
@@ -107,6 +108,7 @@ class StoneNotLifted(Event):
     hanging_kg: float
     least_kg: float
     higher_kg: float | None = None
+    tipping_kg: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,6 +29,8 @@ class LoadMoment:
 
     Attributes:
         refusal: Why the load is too much; empty if it is not.
+        hangs_kg: What hung in the jaws when it was last looked at, in the mean [kg].
+        tipping_kg: The load that tips the machine there [kg].
     """
 
     def __init__(self, context: Context) -> None:
@@ -37,7 +39,7 @@ class LoadMoment:
         self._context, machine = context, context.machine()
         self._capacity = LiftCapacity(machine) if machine.stance.is_free else None
         self._told: deque[tuple[float, float]] = deque()
-        self.refusal = ""
+        self.refusal, self.hangs_kg, self.tipping_kg = "", 0.0, np.inf
 
     def limited(
         self, moving: Generator[None, None, Outcome[None]]
@@ -69,8 +71,9 @@ class LoadMoment:
             return ""
         while now_s - self._told[0][0] > _OVER_S:
             self._told.popleft()
-        hangs_kg = float(np.mean([one for _, one in self._told]))
-        tipping_kg = self._capacity.at(self._context.arm()).tipping_kg
-        if hangs_kg <= _MOST * tipping_kg:
+        self.hangs_kg = float(np.mean([one for _, one in self._told]))
+        self.tipping_kg = self._capacity.at(self._context.arm()).tipping_kg
+        if self.hangs_kg <= _MOST * self.tipping_kg:
             return ""
-        return f"{hangs_kg:.0f} kg hang in the jaws, and {tipping_kg:.0f} kg tip the machine here"
+        hangs = f"{self.hangs_kg:.0f} kg hang in the jaws"
+        return f"{hangs}, and {self.tipping_kg:.0f} kg tip the machine here"

@@ -56,6 +56,9 @@ def _of_driving(event: Event) -> str:
 
 def hanging(event: stone.StoneNotLifted) -> str:
     """Return how much of a stone hangs in the jaws."""
+    if event.tipping_kg is not None:
+        hangs = f"{event.hanging_kg:.0f} kg hang in the jaws"
+        return f"{hangs}, and {event.tipping_kg:.0f} kg tip the machine there"
     told = f"{event.hanging_kg:.0f} of at least {event.least_kg:.0f} kg hang in the jaws"
     return told if event.higher_kg is None else f"{told}, {event.higher_kg:.0f} kg higher up"
 

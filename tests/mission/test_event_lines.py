@@ -70,6 +70,9 @@ LINES = {
     ),
     "stone 4: grasped at 0.46 rad": stone.StoneGrasped(4, 0.456, 10, 0),
     "stone 4: nothing there": stone.JawsClosedOnNothing(4, "nothing there"),
+    "stone 4: not lifted, 2399 kg hang in the jaws, and 2601 kg tip the machine there": (
+        stone.StoneNotLifted(4, 0.1, 2399.0, 1540.2, tipping_kg=2601.0)
+    ),
     "stone 4: not lifted, 1306 of at least 1540 kg hang in the jaws": stone.StoneNotLifted(
         4, 0.2, 1305.6, 1540.2
     ),

@@ -251,6 +251,9 @@ def test_a_load_that_would_tip_the_machine_is_not_lifted(stage, world):
     assert len(plugins(world)["motion"].calls("move")) == 1
     assert len(plugins(world)["robot"].calls("stop")) == 1
     assert "carry" not in world.leaf_context.holds
+    (told,) = (one for one in world.leaf_context.events if isinstance(one, StoneNotLifted))
+    assert told.hanging_kg == pytest.approx(9000.0)
+    assert 0.0 < told.tipping_kg < 9000.0 / 0.9
 
 
 @pytest.mark.parametrize(("share", "is_taken_on"), [(0.1, False), (1.0, True)])
