@@ -46,7 +46,7 @@ def test_its_mission_has_no_mistake(folder):
 
 
 def test_its_error_output_is_what_is_printed(folder):
-    wrong = MISSION.replace("SelectLargest", "SelectLargst").replace("120 deg", "120 parsec")
+    wrong = MISSION.replace("SelectLargest", "SelectLargst").replace("300 deg", "300 parsec")
     (folder / "yard.yaml").write_text(wrong)
     shown = next(body for language, body in BLOCKS if not language and "$ executive check" in body)
     assert executive(["check", "yard.yaml"], folder).stderr.splitlines() == shown.splitlines()[1:]
