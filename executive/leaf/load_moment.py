@@ -11,9 +11,7 @@ from executive.leaf.outcome import Outcome, failed
 # Share of the load that tips the machine at rest: between the rated 75 % (ISO 10567), to which
 # lifts are planned, and all of it.
 _MOST = 0.9
-_OVER_S = (
-    0.5  # over which it is weighed: half a sway, so that one that is rated is not taken for it
-)
+_OVER_S = 0.5  # half a sway, over which it is weighed: a rated load that sways is lifted
 
 
 class LoadMoment:
@@ -55,12 +53,13 @@ class LoadMoment:
                 next(moving)
                 self.refusal = self._refusal()
                 if self.refusal:
-                    moving.close()
                     return failed(self.refusal)
                 yield None
         except StopIteration as ended:
             outcome: Outcome[None] = ended.value
             return outcome
+        finally:
+            moving.close()
 
     def _refusal(self) -> str:
         now_s, mass_kg = self._context.now_s(), self._context.payload_kg()

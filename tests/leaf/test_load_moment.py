@@ -49,6 +49,26 @@ def lifted(
         context.time_s += TICK_S
 
 
+def test_a_lift_that_is_halted_stops_the_arm() -> None:
+    stopped = []
+
+    def moving() -> Generator[None, None, Outcome[None]]:
+        try:
+            yield None
+        finally:
+            stopped.append(True)
+        return succeeded()
+
+    context: Any = SimpleNamespace(
+        machine=lambda: ON_LEGS, now_s=lambda: 0.0, payload_kg=lambda: 0.0
+    )
+    motion = moving()
+    steps = LoadMoment(context).limited(motion)
+    next(steps)
+    steps.close()
+    assert stopped
+
+
 def test_a_load_that_would_tip_the_machine_stops_the_lift_as_it_comes_on() -> None:
     outcome, ended_s, is_stopped = lifted(lambda time_s: TIPPING_KG * time_s / 2)
     assert not outcome.success
