@@ -166,6 +166,16 @@ def test_what_was_weighed_of_a_stone_that_has_slipped_is_not_kept(world, databas
     assert not any(isinstance(one, StoneWeighed) for one in context.events)
 
 
+@pytest.mark.parametrize("carried", [False, True])
+def test_a_stone_that_fell_at_once_keeps_what_it_weighed_as_it_hung(world, database, carried):
+    context, weight = world.leaf_context, Weight(1500.0, 30.0)
+    context.weighed, context.carried = weight, carried
+    context.troubles.append(Verdict(1.0, "hold_state", Trouble.DROP, "it fell"))
+    assert world.tick(ReleaseStone, hold=world.hold).status == "SUCCESS"
+    assert database.stone(1).state is StoneState.LOST
+    assert database.stone(1).weight == (weight if carried else None)
+
+
 def test_what_was_weighed_is_kept_with_the_stone(world, database):
     world.leaf_context.weighed = Weight(1500.0, 30.0)
     ended = world.tick(ReleaseStone, hold=world.hold, placement=placement(SLOTS[0]))
