@@ -4,7 +4,7 @@ from abc import abstractmethod
 
 from executive.events.site import SiteSurveyed, SurveyRegistered
 from executive.interfaces.metric import Metric, RunRecord, Share, Values
-from executive.interfaces.truth import PositionErrors
+from executive.interfaces.truth import MapErrors, PositionErrors
 
 
 class _Estimator(Metric):
@@ -50,58 +50,61 @@ class EstimatorErrorMax(_Estimator):
         return errors.max
 
 
-class MapError(Metric):
-    """Distance of the map from the true surface."""
+class _Map(Metric):
+    """A statistic of the error of the map at the end of a run."""
 
-    title = "distance of the map from the true surface"
     unit = "m"
     is_more_better = False
-    description = (
-        "Distance of the points of the map at the end to the true surface of ground and stones at"
-        " that time: the median over the points of a run."
-    )
+
+    @abstractmethod
+    def statistic(self, errors: MapErrors) -> float | None:
+        """Return the statistic [m]; None if there is none."""
 
     def measure(self, run: RunRecord) -> Values | None:
         truth = run.report.truth
         if truth is None or not truth.map:
             return None
-        return Values((truth.map.distance_m.median,))
+        found = self.statistic(truth.map)
+        return None if found is None else Values((found,))
 
 
-class MapBias(Metric):
+class MapError(_Map):
+    """Distance of the map from the true surface."""
+
+    title = "distance of the map from the true surface"
+    description = (
+        "Distance of the points of the map at the end to the true surface of ground and stones at"
+        " that time: the median over the points of a run."
+    )
+
+    def statistic(self, errors: MapErrors) -> float:
+        return errors.distance_m.median
+
+
+class MapBias(_Map):
     """Mean signed distance of the map from the true surface."""
 
     title = "bias of the map"
-    unit = "m"
-    is_more_better = False
     description = (
         "Signed distance of the points of the map at the end from the true surface of ground and"
         " stones at that time, positive outside: the mean over the points of a run within 0.5 m."
     )
 
-    def measure(self, run: RunRecord) -> Values | None:
-        truth = run.report.truth
-        if truth is None or not truth.map or truth.map.bias_m is None:
-            return None
-        return Values((truth.map.bias_m,))
+    def statistic(self, errors: MapErrors) -> float | None:
+        return errors.bias_m
 
 
-class MapDeviation(Metric):
+class MapDeviation(_Map):
     """Standard deviation of the signed distance of the map from the true surface."""
 
     title = "standard deviation of the map"
-    unit = "m"
-    is_more_better = False
     description = (
         "Signed distance of the points of the map at the end from the true surface of ground and"
         " stones at that time: the standard deviation over the points of a run within 0.5 m."
     )
 
-    def measure(self, run: RunRecord) -> Values | None:
-        truth = run.report.truth
-        if truth is None or not truth.map or truth.map.std_m is None:
-            return None
-        return Values((truth.map.std_m,))
+    def statistic(self, errors: MapErrors) -> float | None:
+        return errors.std_m
 
 
 class Registrations(Metric):
