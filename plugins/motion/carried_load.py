@@ -34,8 +34,12 @@ class CarriedLoad:
         return self._capacity.along(positions).rated_kg - self._mass_kg
 
     def may_pass(self, q: Float) -> bool:
-        """Return whether the machine may carry the stone through a posture, with some room."""
-        return self.spare_kg(q[None]) >= _ROOM * self._mass_kg
+        """Return whether the machine may carry the stone through a posture, with some room.
+
+        None is asked for beyond the payload of the gripper, which is the same in all postures.
+        """
+        capacity = self._capacity.at(q)
+        return capacity.rated_kg >= min((1.0 + _ROOM) * self._mass_kg, capacity.payload_kg)
 
     def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
         """Return a motion that uses at most 0.45 of what holds the machine.
