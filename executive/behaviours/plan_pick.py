@@ -1,8 +1,7 @@
 """Plan the path to a grasp."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -17,7 +16,7 @@ from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.action import Action, Steps
 from executive.leaf.context import Context
-from executive.leaf.job import Job
+from executive.leaf.leaning import leaning
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
@@ -125,7 +124,7 @@ class PlanPick(Action[PlanPickSettings]):
             if success is not None and success < self.settings.least_success:
                 reasons.append(_unlikely(success, self.settings.least_success))
                 continue
-            T_map_base = yield from self._leaning(grasp)
+            T_map_base = yield from leaning(self.context, grasp.T_map_gripper)
             request = self._request(grasp, cloud, T_map_base)
             plan = yield from self.context.job(motion.move, request)
             if plan.trajectory is None:
@@ -175,18 +174,6 @@ class PlanPick(Action[PlanPickSettings]):
                 if one.hold_rate is not None
             ]
         return past
-
-    def _leaning(self, grasp: Grasp) -> Generator[Job[Any], Any, Float]:
-        """Return where the chassis is once the gripper is at the grasp: legs yield to the arm."""
-        machine, T_map_base = self.context.machine(), self.context.state().T_map_base
-        if machine.stance.support_n_m is None:
-            return T_map_base
-        from executive.machine.lean import Lean  # reading a mission imports no kinematics
-
-        start, lean = self.context.arm(), Lean(machine)
-        reach, T = self.context.use(MotionPlanner).reach, grasp.T_map_gripper
-        goal = yield from self.context.job(reach, inverse(T_map_base) @ T, start)
-        return T_map_base if goal is None else lean.moved(T_map_base, start, goal)
 
     def _request(self, grasp: Grasp, cloud: Cloud, T_map_base: Float) -> MoveRequest:
         return MoveRequest(

@@ -17,6 +17,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.placing import PlacementPlanner
 from executive.leaf.action import Action, Steps
 from executive.leaf.job import Job
+from executive.leaf.leaning import leaning
 from executive.leaf.lift_limit import LiftRule, too_heavy
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import failed, succeeded
@@ -116,7 +117,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
             if not placements:
                 refused.setdefault("no placement is free and in reach", []).append(slot.id)
             for placement in placements:
-                plan = yield from self._path_to(placement, hold, cloud)
+                plan = yield from self._path_to(placement, hold, cloud, mass_kg)
                 refusal = too_heavy(self.context, plan, mass_kg, self.settings.lift_capacity)
                 if plan.trajectory is not None and not refusal:
                     self.context.show("path", plan)
@@ -147,15 +148,16 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                     yield replace(slot, T_map_object=hung), np.eye(4)
 
     def _path_to(
-        self, placement: Placement, hold: Hold, cloud: Cloud
+        self, placement: Placement, hold: Hold, cloud: Cloud, mass_kg: float
     ) -> Generator[Job[MotionPlan], Any, MotionPlan]:
         risen_m = float(self.context.gripper()[2, 3] - hold.T_map_gripper[2, 3])
         goal = placement.T_map_gripper.copy()
         goal[2, 3] += self.settings.above
+        T_map_base = yield from leaning(self.context, goal, mass_kg)
         request = MoveRequest(
             start=self.context.arm(),
             T_map_gripper=goal,
-            T_map_base=self.context.state().T_map_base,
+            T_map_base=T_map_base,
             leave_m=min(max(self.settings.leave - risen_m, 0.0), self.settings.leave),
             arrive_m=self.settings.arrive,
             obstacles=cloud,

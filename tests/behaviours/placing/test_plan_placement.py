@@ -8,6 +8,7 @@ from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.placing import PlacementPlanner
+from executive.machine.lean import Lean
 from executive.messages.placement import Slot
 from executive.messages.request import MotionPlan
 from executive.messages.trajectory import JointTrajectory
@@ -131,6 +132,28 @@ def test_a_way_beyond_the_lift_capacity_is_no_way(stage, world, database, mass_k
     ended = world.tick(PlanPlacement, settings=given, hold=world.hold, free_slots=SLOTS[:1])
     assert ended.status == status
     assert ("beyond the lift capacity" in ended.reason) == (status == "FAILURE")
+
+
+@pytest.mark.parametrize("reached", [True, False])
+@pytest.mark.parametrize("mass_kg", [0.0, 2000.0])
+def test_the_way_leads_to_where_the_place_is_once_the_machine_leans(stage, world, mass_kg, reached):
+    m545 = world.leaf_context.machine()
+    stance = m545.stance.model_copy(update={"support_n_m": 2e6})
+    world.leaf_context.machine = lambda: m545.model_copy(update={"stance": stance})
+    world.leaf_context.weight = lambda: Weight(mass_kg, 30.0)
+    side = world.leaf_context.arm().copy()
+    side[m545.arm_names.index(m545.turn_joint)] += np.pi / 2
+    motion = stage.Scripted(MotionPlanner, move=[world.found], reach=[side if reached else None])
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),)])
+    plugins(world).update(placing=planner, motion=motion)
+    given = {"lift_capacity": "payload"}
+    ended = world.tick(PlanPlacement, settings=given, hold=world.hold, free_slots=SLOTS[:1])
+    assert ended.status == "SUCCESS"
+    (asked,) = motion.calls("move")
+    now = world.leaf_context.state().T_map_base
+    leans = Lean(world.leaf_context.machine()).moved(now, world.leaf_context.arm(), side, mass_kg)
+    np.testing.assert_array_equal(asked["request"].T_map_base, leans if reached else now)
+    assert np.abs(leans - now).max() > 1e-3
 
 
 def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):
