@@ -16,8 +16,9 @@ _MEDIAN = 1.25  # standard deviation of a median over that of a mean, of normal 
 class CarriedMass:
     """The weighted median of the masses of those windows in which the stone is carried.
 
-    A median, because the ground carries a part of the stone at the begin of a lift and at the end
-    of a set-down.
+    A window in which something below may carry a part of the stone is none of them: set down
+    slowly, it stands with a part of its weight for longer than it was weighed at rest. A median,
+    because the ground carries a part at the begin of a lift, too.
     """
 
     def __init__(self) -> None:
@@ -26,7 +27,9 @@ class CarriedMass:
         self._lever_share = 0.0
         self.weight: Weight | None = None  # the mass so far; None while it is not above noise
 
-    def take(self, mass_kg: float, noise_kg: float, moving: float, lever: float) -> Signal:
+    def take(
+        self, mass_kg: float, noise_kg: float, moving: float, lever: float, may_stand: bool
+    ) -> Signal:
         """Take the mass of a window, and return it as a share of the carried mass.
 
         Args:
@@ -35,6 +38,7 @@ class CarriedMass:
             moving: Standard deviation by the acceleration, as a share of the mass.
             lever: Standard deviation by where the stone is in the jaws, as a share of the mass;
                 it is the same in all windows.
+            may_stand: Whether something below may carry the stone: the window weighs nothing then.
 
         Returns:
             The share; unknown while no stone is carried.
@@ -42,11 +46,11 @@ class CarriedMass:
         before = self.weight
         std_kg = float(np.hypot(noise_kg, moving * max(mass_kg, 0.0)))
         above_kg = mass_kg - (before.mass_kg if before else mass_kg)
-        is_heavier = above_kg > _SURE * np.hypot(std_kg, lever * mass_kg)
+        is_heavier = not may_stand and above_kg > _SURE * np.hypot(std_kg, lever * mass_kg)
         self._heavier = self._heavier + 1 if is_heavier else 0
         if self._heavier == _LASTING:
             del self._windows[: 1 - _LASTING]  # the ground carried a part of it until then
-        if mass_kg > (_CARRIED * before.mass_kg if before else 0.0):
+        if not may_stand and mass_kg > (_CARRIED * before.mass_kg if before else 0.0):
             self._windows.append((mass_kg, std_kg))
             self._lever_share = lever
             self.weight = self._median()

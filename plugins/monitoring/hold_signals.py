@@ -74,6 +74,7 @@ class HoldSignals:
         self._mass, self._jaws = CarriedMass(), JawMotion(settings)
         self._force = 0.0  # largest mean so far
         self._sank_s = -np.inf
+        self._may_have_stood = False  # in the window before
         self.below: GroundBelow | None = None  # what may carry the stone, where that is known
         self.has_slipped = False  # a slip was reported
 
@@ -121,7 +122,9 @@ class HoldSignals:
                            self._scale.moving_kg(q_jaw, acceleration, is_moving))),
             self._scale.shaken_share(self._q, acceleration),
             self._scale.lever_share(self._q),
+            self._may_have_stood,
         )  # fmt: skip
+        self._may_have_stood = self._may_stand(window, weight)
         std_m = self._opening_std_m / root * np.sqrt(2)  # of a difference of two openings
         closed, widened = self._jaws.take(now_s, opening_m, std_m, bool(is_moving.any()))
         signals = Signals(
@@ -130,7 +133,7 @@ class HoldSignals:
             closed,
             widened,
             self._jaws.forced(std_m),
-            self._may_stand(window, weight),
+            self._may_have_stood,
             self._jaws.has_settled,
             self.has_slipped,
         )

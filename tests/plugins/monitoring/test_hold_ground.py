@@ -85,6 +85,16 @@ def test_a_stone_that_is_lowered_hangs_until_the_ground_takes_over(watch, machin
     assert max(one for one in told if one is not None) < 0.95
 
 
+def test_a_stone_that_is_lowered_onto_the_ground_weighs_what_it_weighed_in_the_air(watch) -> None:
+    """The ground takes over 40 % of it for longer than it was carried at rest."""
+    carry = Carry(30.0)
+    carry.boom = np.where((carry.t > 3.5) & (carry.t < 30.0), -0.005, carry.boom)
+    carry.weight -= 0.4 * carry.after(5.0, ramp_s=1.0)
+    told, monitor = watch(carry)
+    assert told == []
+    assert monitor.weight().mass_kg == pytest.approx(MASS_KG, rel=0.03)
+
+
 @pytest.mark.parametrize(("late_s", "is_lost"), [(0.1, False), (1.5, False), (3.2, True)])
 def test_what_leaves_the_jaws_long_after_they_sank_has_fallen(watch, late_s, is_lost) -> None:
     """The jaws press on for some tenths of a second on a stone that slides out of them."""
