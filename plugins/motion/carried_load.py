@@ -10,6 +10,9 @@ from executive.messages.trajectory import JointTrajectory
 # Share of the mass by which a posture on the way may bear more: the curve between such postures
 # bulges by that.
 _ROOM = 0.05
+# A load is told with two deviations more than it was weighed with, and these are a fifteenth of it
+# at most: where a tenth is missing, whoever judges by what was weighed refuses it, too.
+_HOPELESS = 0.1
 
 
 class CarriedLoad:
@@ -32,6 +35,10 @@ class CarriedLoad:
         It is negative where the machine may not lift the stone.
         """
         return self._capacity.along(positions).rated_kg - self._mass_kg
+
+    def is_hopeless(self, spare_kg: float) -> bool:
+        """Return whether so little capacity is far too little, however the load is carried."""
+        return spare_kg < -_HOPELESS * self._mass_kg
 
     def may_pass(self, q: Float) -> bool:
         """Return whether the machine may carry the stone through a posture, with some room.

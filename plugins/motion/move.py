@@ -96,10 +96,12 @@ class Move:
 
         With a load, a path comes first on which the machine may lift it: drawn in, where the direct
         path is too far out. If there is none, the free path with the greatest lift capacity is
-        returned; whoever carries the load judges that.
+        returned; whoever carries the load judges that. No path bears more than its ends: where that
+        is too little by far, no other one is sought.
         """
         first: NoPath | None = None
         best: tuple[float, JointTrajectory] | None = None
+        ends_kg = self._spare_at_ends_kg(leave, arrive)
         for path in self._paths(leave, arrive):
             timed = self._timed(path)
             hit = self.check.first_hit_along(timed)
@@ -108,17 +110,18 @@ class Move:
                 first = first or NoPath(told)
                 continue
             spare_kg = np.inf if self.load is None else self.load.spare_kg(timed.position)
-            if spare_kg >= 0.0:
+            if spare_kg >= min(ends_kg, 0.0):
                 return timed
             best = (spare_kg, timed) if best is None or spare_kg > best[0] else best
-            if not self._has_room_for_load(leave, arrive):
+            if self.load is not None and self.load.is_hopeless(ends_kg):
                 break
         return best[1] if best else first or NoPath("travelling: no path")
 
-    def _has_room_for_load(self, leave: Line, arrive: Line) -> bool:
-        """Return whether the machine may lift the load at both ends, so that a path may help."""
-        ends = (leave.nodes, arrive.nodes)
-        return self.load is None or min(map(self.load.spare_kg, ends)) >= 0.0
+    def _spare_at_ends_kg(self, leave: Line, arrive: Line) -> float:
+        """Return by how much the lift capacity exceeds the load where it exceeds it least [kg]."""
+        if self.load is None:
+            return np.inf
+        return min(self.load.spare_kg(line.nodes) for line in (leave, arrive))
 
     def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""

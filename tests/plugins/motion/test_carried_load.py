@@ -44,3 +44,8 @@ def test_elsewhere_it_needs_a_twentieth_more_than_it_weighs() -> None:
 
 def test_a_stone_beyond_the_payload_may_pass_nowhere_the_machine_may_not_lift_it() -> None:
     assert not CarriedLoad(CAPACITY, None, 1.2 * M545.payload_kg).may_pass(_beside())
+
+
+@pytest.mark.parametrize(("spare_kg", "is_hopeless"), [(-199.0, False), (-201.0, True)])
+def test_a_tenth_too_little_is_hopeless(spare_kg: float, is_hopeless: bool) -> None:
+    assert CarriedLoad(CAPACITY, None, 2000.0).is_hopeless(spare_kg) == is_hopeless
