@@ -16,7 +16,10 @@ class SampledPlannerSettings(SamplingSettings):
         0.8, ge=0, description="Length of the straight descent to a grasp, free and in reach [m]."
     )
     overload: float = Field(
-        1.15, ge=1, description="Refused ratio of mass to payload; above 1, as a hull is too large."
+        1.25,
+        ge=1,
+        description="Refused ratio of the mass by the volume of a hull to the payload; a hull is "
+        "larger than its stone by 13 ± 6 %, so that 1.25 is one that is too heavy by 95 %.",
     )
     lift_capacity: Literal["by_base", "payload", "iso_10567"] = Field(
         "by_base",
