@@ -3,7 +3,7 @@
 Some ten times faster than missions (`docs/campaigns/grasp_planners.yaml`): what replaces the
 mission's lidars, mapping and estimation is a made-up view of each stone and its neighbours (half of
 the scenes with a drone's) and an error of the gripper's pose by up to 2 cm and 1.5° along and about
-each axis. The rest is the machine's own: arm, jaws, encoders, monitors.
+each axis. The rest is the machine's own: arm, jaws, encoders, monitors; it is welded to the ground.
 
 An attempt is placed if no monitor reported trouble on the way, the stone was lifted, and it stands
 after its release no lower than 0.2 m and no farther than 0.6 m from where it was set down. After a

@@ -297,7 +297,8 @@ def alike(T_a: Float, T_b: Float) -> bool:
 
 def lay_out(world: World, ranking: str, number: int, folder: Path) -> Site:
     settings = [*RANKINGS[ranking], f"robot.site.stones.count={A_SITE}"]
-    settings.append(f"robot.scenario={world.scenario}")
+    # The arm carries whatever the grasp holds as far as it stands, which on its legs would tip it.
+    settings += [f"robot.scenario={world.scenario}", "robot.base=welded"]
     if world.kind == "scanned":
         for file in scans_of(Path(world.stones), world.scale, number):
             (folder / file.name).symlink_to(file.resolve())
