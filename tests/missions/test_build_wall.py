@@ -7,7 +7,7 @@ pytestmark = pytest.mark.mission
 
 WALL = """
 structure: short wall
-line: [[1.7 m, 5.4 m], [-0.2 m, 5.4 m]]
+line: [[-4.8 m, 0.95 m], [-4.8 m, -0.95 m]]
 thickness: 1.6 m
 height: 0.8 m
 building:
