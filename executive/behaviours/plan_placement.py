@@ -24,6 +24,7 @@ from executive.leaf.outcome import failed, succeeded
 from executive.leaf.rest import come_to_rest
 from executive.leaf.resting import hung_over, moved, to_rest
 from executive.leaf.surroundings import held_kg, held_surface, surroundings
+from executive.leaf.turned import lower_by_m
 from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
 from executive.messages.placement import Placement, Slot
@@ -87,12 +88,17 @@ class PlanPlacement(Action[PlanPlacementSettings]):
     needs = (PlacementPlanner, MotionPlanner, Mapper, ObjectDatabase)
     on_resume = OnResume.REDO
 
-    def run(self, hold: Hold, free_slots: list[Slot]) -> Steps[PlacementPlanned]:
+    def run(
+        self, hold: Hold, free_slots: list[Slot], hang_is_known: bool | None = None
+    ) -> Steps[PlacementPlanned]:
         """Plan for one slot after another.
 
         Args:
             hold: Which stone is held, and how.
             free_slots: Slots that are free, best first.
+            hang_is_known: Whether the stone was seen as it hangs. If it was looked at and was not,
+                it may have turned about the tips, and the motion ends higher by how much lower it
+                may hang then.
         """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
@@ -117,7 +123,8 @@ class PlanPlacement(Action[PlanPlacementSettings]):
             if not placements:
                 refused.setdefault("no placement is free and in reach", []).append(slot.id)
             for placement in placements:
-                plan = yield from self._path_to(placement, hold, cloud, mass_kg)
+                above_m = self._above_m(placement, hold, hang_is_known)
+                plan = yield from self._path_to(placement, above_m, hold, cloud, mass_kg)
                 refusal = too_heavy(self.context, plan, mass_kg, self.settings.lift_capacity)
                 if plan.trajectory is not None and not refusal:
                     self.context.show("path", plan)
@@ -147,12 +154,20 @@ class PlanPlacement(Action[PlanPlacementSettings]):
                 if hung is not None:
                     yield replace(slot, T_map_object=hung), np.eye(4)
 
+    def _above_m(self, placement: Placement, hold: Hold, hang_is_known: bool | None) -> float:
+        """Return how far above the placement the motion ends [m]."""
+        if hang_is_known is not False:
+            return self.settings.above
+        surface, T = held_surface(self.context, hold), placement.T_map_gripper
+        lower_m = lower_by_m(self.context.machine(), hold.jaw_rad, surface, T)
+        return self.settings.above + lower_m
+
     def _path_to(
-        self, placement: Placement, hold: Hold, cloud: Cloud, mass_kg: float
+        self, placement: Placement, above_m: float, hold: Hold, cloud: Cloud, mass_kg: float
     ) -> Generator[Job[MotionPlan], Any, MotionPlan]:
         risen_m = float(self.context.gripper()[2, 3] - hold.T_map_gripper[2, 3])
         goal = placement.T_map_gripper.copy()
-        goal[2, 3] += self.settings.above
+        goal[2, 3] += above_m
         T_map_base = yield from leaning(self.context, goal, mass_kg)
         request = MoveRequest(
             start=self.context.arm(),

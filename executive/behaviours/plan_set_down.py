@@ -21,6 +21,7 @@ from executive.leaf.path import PathPlanned
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.leaf.tool_way import slow_at_the_end, tool_way
+from executive.leaf.turned import lower_by_m
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import StoneState
@@ -116,11 +117,7 @@ class PlanSetDown(Action[PlanSetDownSettings]):
     ) -> JointTrajectory:
         """Slow the way down where the stone may stand, however it has turned about the tips."""
         machine = self.context.machine()
-        middle = machine.gripper.tips(hold.jaw_rad).mean(axis=0)
-        up = T_map_gripper[2, :3]
-        expected_m = float(((middle - surface) @ up).max())
-        turned_m = float(np.linalg.norm(surface - middle, axis=1).max())
-        slow_m = max(0.0, turned_m - expected_m)
+        slow_m = lower_by_m(machine, hold.jaw_rad, surface, T_map_gripper)
         passed_m = tool_way(machine, way)
         sways = machine.stance.support_n_m is not None
         braking_m_s2 = _BRAKING_M_S2 / (_SWAYS if sways else 1.0)

@@ -101,6 +101,18 @@ class Look:
     is_otherwise: bool
 
 
+@dataclass(frozen=True, slots=True)
+class HangSeen:
+    """What a look at the stone in the jaws has shown.
+
+    Attributes:
+        hang_is_known: Whether the stone was seen as it hangs; otherwise it hangs as it was grasped,
+            as far as anybody knows.
+    """
+
+    hang_is_known: bool
+
+
 class SeeHeld(Action[SeeHeldSettings]):
     """Raise a held stone past the lidars, and correct its pose in the jaws by what they see.
 
@@ -120,7 +132,7 @@ class SeeHeld(Action[SeeHeldSettings]):
     claims = (Part.ARM, Part.CABIN, Part.LIDARS)
     on_resume = OnResume.REDO
 
-    def run(self, hold: Hold) -> Steps[None]:
+    def run(self, hold: Hold) -> Steps[HangSeen]:
         """Raise, look, and correct the database.
 
         Args:
@@ -131,7 +143,7 @@ class SeeHeld(Action[SeeHeldSettings]):
         risen = yield from self._raise(hold)
         if not risen.success:
             told = f"stone {hold.stone_id} was not seen in the jaws: {risen.reason}"
-            return succeeded(reason=told)
+            return succeeded(HangSeen(False), told)
         view = yield from self.context.job(self.context.use(Mapper).held)
         model = held_surface(self.context, hold)
         look = yield from self._seen(hold, model, view)
@@ -144,11 +156,12 @@ class SeeHeld(Action[SeeHeldSettings]):
             return failed(refused)
         if found is None:
             told = f"kept the expected pose of stone {hold.stone_id}: {look.aligned.reason}"
-            return succeeded(reason=told)
+            return succeeded(HangSeen(False), told)
         return succeeded(
-            reason=f"{100 * found.shift_m:.1f} cm and {np.degrees(found.turn_rad):.1f}° from where "
+            HangSeen(True),
+            f"{100 * found.shift_m:.1f} cm and {np.degrees(found.turn_rad):.1f}° from where "
             f"it was expected, ± {100 * found.position_std_m:.1f} cm and "
-            f"{np.degrees(found.rotation_std_rad):.1f}°"
+            f"{np.degrees(found.rotation_std_rad):.1f}°",
         )
 
     def _raise(self, hold: Hold) -> Generator[Any, Any, Outcome[None]]:

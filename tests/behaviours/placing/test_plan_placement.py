@@ -8,6 +8,8 @@ from executive.geometry.pose import inverse, pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.motion import MotionPlanner
 from executive.interfaces.placing import PlacementPlanner
+from executive.leaf.surroundings import held_surface
+from executive.leaf.turned import lower_by_m
 from executive.machine.lean import Lean
 from executive.messages.placement import Slot
 from executive.messages.request import MotionPlan
@@ -154,6 +156,28 @@ def test_the_way_leads_to_where_the_place_is_once_the_machine_leans(stage, world
     leans = Lean(world.leaf_context.machine()).moved(now, world.leaf_context.arm(), side, mass_kg)
     np.testing.assert_array_equal(asked["request"].T_map_base, leans if reached else now)
     assert np.abs(leans - now).max() > 1e-3
+
+
+@pytest.mark.parametrize("known", [True, None, False])
+def test_a_stone_that_was_not_seen_as_it_hangs_is_carried_as_high_as_it_may_hang_lower(
+    stage, world, known
+):
+    planner = stage.Scripted(PlacementPlanner, plan=[(placement(SLOTS[0]),)])
+    motion = stage.Scripted(MotionPlanner, move=[world.found])
+    plugins(world).update(placing=planner, motion=motion)
+    ports = {"hold": world.hold, "free_slots": SLOTS[:1]}
+    if known is not None:
+        ports["hang_is_known"] = known
+    ended = world.tick(PlanPlacement, settings={"above": 0.03}, **ports)
+    assert ended.status == "SUCCESS"
+    (asked,) = motion.calls("move")
+    above_m = asked["request"].T_map_gripper[2, 3] - placement(SLOTS[0]).T_map_gripper[2, 3]
+    surface = held_surface(world.leaf_context, world.hold)
+    lower_m = lower_by_m(
+        world.leaf_context.machine(), world.hold.jaw_rad, surface, asked["request"].T_map_gripper
+    )
+    assert lower_m > 0.1
+    assert above_m == pytest.approx(0.03 + (lower_m if known is False else 0.0))
 
 
 def test_no_slot_with_a_path_is_a_failure_with_each_cause(stage, world):

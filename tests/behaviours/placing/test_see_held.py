@@ -61,6 +61,7 @@ def test_a_stone_that_the_closing_jaws_moved_is_corrected_in_the_database(stage,
     switched_m = rises(world)
     ended = world.tick(SeeHeld, hold=world.hold)
     assert ended.status == "SUCCESS", ended.reason
+    assert ended.outputs == {"hang_is_known": True}
     (asked,) = plugins(world)["motion"].calls("move")  # one motion, without a stop on the way
     assert asked["request"].T_map_gripper[2, 3] == pytest.approx(low_m + 0.7 + 0.5)
     assert switched_m[0] == pytest.approx(low_m + 0.7, abs=0.06)  # once it is clear of the ground
@@ -124,6 +125,7 @@ def test_a_view_that_is_refused_keeps_the_expected_pose(stage, world, database):
     ended = world.tick(SeeHeld, hold=world.hold)
     assert ended.status == "SUCCESS"
     assert ended.reason == "kept the expected pose of stone 1: rmse 5 cm above 4"
+    assert ended.outputs == {"hang_is_known": False}
     np.testing.assert_array_equal(database.stone(1).T_map_object, before)
     told = [(one.accepted, one.shift_m, one.refused) for one in ended.events]
     assert told == [(False, None, "")]
@@ -134,4 +136,5 @@ def test_a_stone_that_cannot_be_raised_is_not_looked_at(world, database):
     ended = world.tick(SeeHeld, hold=world.hold)
     assert ended.status == "SUCCESS"
     assert "no path up: the boom would hit stone 2" in ended.reason
+    assert ended.outputs == {"hang_is_known": False}
     assert ended.events == []
