@@ -120,12 +120,13 @@ def test_it_leans_with_its_arm_as_plans_foretell(reached: tuple) -> None:
     np.testing.assert_allclose(told, seen, atol=0.01)
 
 
-def hang(world: World, mass_kg: float) -> None:
+def hang(world: World, mass_kg: float, grown_s: float = 2.0, lasting_s: float = 6.0) -> None:
     """Let a load pull at the grasp centre, ever heavier for 2 s, then for 4 s more."""
     gripper = world.data.body(world.machine.gripper_link)
-    for step in range(600):
+    for step in range(round(100 * lasting_s)):
         at = gripper.xpos + gripper.xmat.reshape(3, 3) @ world.machine.gripper.grasp_centre
-        weight = np.array([0.0, 0.0, -GRAVITY_M_S2 * mass_kg * min(1.0, step / 200)])
+        share = min(1.0, step / (100 * grown_s)) if grown_s else 1.0
+        weight = np.array([0.0, 0.0, -GRAVITY_M_S2 * mass_kg * share])
         gripper.xfrc_applied[:3] = weight
         gripper.xfrc_applied[3:] = np.cross(at - gripper.xipos, weight)
         world.step()
@@ -139,6 +140,31 @@ def test_it_carries_its_rated_load_at_the_side_and_leans(reached: tuple) -> None
     assert capacity.radius_m == pytest.approx(6.0, abs=0.3)
     assert world.legs.tilt_rad() > before_rad + np.radians(0.1)
     assert 0.0 < world.legs.margin_m() < 0.5
+
+
+def test_it_leans_with_a_load_as_plans_foretell(reached: tuple) -> None:
+    """The load swings from the side to the front; without its mass the lean is another one."""
+    world, capacity, kept = reached
+    world.restore(kept)
+    machine, q_side = world.machine, world.arm.position()
+    hang(world, capacity.rated_kg)
+    base = world.data.body(machine.base_link)
+    T_side = pose(base.xmat.reshape(3, 3), base.xpos)
+    front = dict(zip(machine.arm_names, q_side, strict=True)) | {machine.turn_joint: 0.0}
+    world.follow(Follow(path(machine, q_side, np.array([*front.values()]))))
+    hang(world, capacity.rated_kg, grown_s=0.0, lasting_s=10.0)
+    q = world.arm.position()
+    support_n_m = MujocoSettings(base="on_legs").support_n_m
+    stance = machine.stance.model_copy(update={"support_n_m": support_n_m})
+    lean = Lean(machine.model_copy(update={"stance": stance}))
+    tool = Kinematics(machine).gripper(q)[:3, 3]
+    seen = transform(pose(base.xmat.reshape(3, 3), base.xpos), tool)
+    told, without = (
+        transform(lean.moved(T_side, q_side, q, load_kg), tool)
+        for load_kg in (capacity.rated_kg, 0.0)
+    )
+    np.testing.assert_allclose(told, seen, atol=0.01)
+    assert np.abs(without - seen).max() > 0.015
 
 
 def test_it_tips_with_a_little_more_than_balances_it(reached: tuple) -> None:
