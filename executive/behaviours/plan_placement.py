@@ -164,7 +164,7 @@ class PlanPlacement(Action[PlanPlacementSettings]):
 
     def _path_to(
         self, placement: Placement, above_m: float, hold: Hold, cloud: Cloud, mass_kg: float
-    ) -> Generator[Job[MotionPlan], Any, MotionPlan]:
+    ) -> Generator[Job[Any], Any, MotionPlan]:
         risen_m = float(self.context.gripper()[2, 3] - hold.T_map_gripper[2, 3])
         goal = placement.T_map_gripper.copy()
         goal[2, 3] += above_m

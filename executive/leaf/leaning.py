@@ -1,7 +1,6 @@
 """Where the chassis will be once the arm has moved: for the plans of a pick and a placement."""
 
 from collections.abc import Generator
-from typing import Any
 
 from executive.arrays import Float
 from executive.geometry.pose import inverse
@@ -12,7 +11,7 @@ from executive.leaf.job import Job
 
 def leaning(
     context: Context, T_map_gripper: Float, load_kg: float = 0.0
-) -> Generator[Job[Any], Any, Float]:
+) -> Generator[Job[object], object, Float]:
     """Return where the chassis is once the gripper is at a pose, shape (4, 4).
 
     Legs yield to the moments of the arm, and to that of what hangs in the jaws. It is where it is
