@@ -101,7 +101,6 @@ class Move:
         """
         first: NoPath | None = None
         best: tuple[float, JointTrajectory] | None = None
-        ends_kg = self._spare_at_ends_kg(leave, arrive)
         for path in self._paths(leave, arrive):
             timed = self._timed(path)
             hit = self.check.first_hit_along(timed)
@@ -109,19 +108,15 @@ class Move:
                 told = f"travelling: collision of {hit[1]} at fraction {hit[0]:.2f}"
                 first = first or NoPath(told)
                 continue
-            spare_kg = np.inf if self.load is None else self.load.spare_kg(timed.position)
-            if spare_kg >= min(ends_kg, 0.0):
+            if self.load is None or (spare_kg := self.load.spare_kg(timed.position)) >= 0.0:
+                return timed
+            ends_kg = min(self.load.spare_kg(line.nodes) for line in (leave, arrive))
+            if spare_kg >= ends_kg:
                 return timed
             best = (spare_kg, timed) if best is None or spare_kg > best[0] else best
-            if self.load is not None and self.load.is_hopeless(ends_kg):
+            if self.load.is_hopeless(ends_kg):
                 break
         return best[1] if best else first or NoPath("travelling: no path")
-
-    def _spare_at_ends_kg(self, leave: Line, arrive: Line) -> float:
-        """Return by how much the lift capacity exceeds the load where it exceeds it least [kg]."""
-        if self.load is None:
-            return np.inf
-        return min(self.load.spare_kg(line.nodes) for line in (leave, arrive))
 
     def between(self, start: Float, goal: Float) -> JointTrajectory | NoPath:
         """Connect two postures: all joints at once where that is free, else over the obstacles."""

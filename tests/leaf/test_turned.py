@@ -14,14 +14,9 @@ JAW_RAD = 0.5
 DOWN = pose(from_rpy(0.0, np.pi / 2, 0.0), np.array([5.0, 0.0, 1.5]))
 
 
-@pytest.mark.parametrize(
-    ("corner_m", "lower_m"), [((0.4, 0.0, 0.0), 0.0), ((-0.4, 0.0, 0.0), 0.7), ((0, 0.6, 0), 0.3)]
-)
-def test_what_is_farthest_from_the_tips_may_come_to_be_below(corner_m, lower_m) -> None:
-    """The stone reaches 0.3 m below the tips, and somewhere as far from them as the corner."""
+@pytest.mark.parametrize(("beside_m", "lower_m"), [(0.2, 0.0), (0.3, 0.0), (0.6, 0.3)])
+def test_what_is_farthest_from_the_tips_may_come_to_be_below(beside_m, lower_m) -> None:
+    """The stone reaches 0.3 m below the tips, and so far beside them."""
     middle = M545.gripper.tips(JAW_RAD).mean(axis=0)
-    reach_m = 1.0 if corner_m[0] < 0 else np.linalg.norm(corner_m)
-    lowest = 0.4 if corner_m[0] > 0 else 0.3
-    corner = np.array(corner_m) / np.linalg.norm(corner_m) * reach_m
-    surface = middle + np.array([[lowest, 0.0, 0.0], corner])
+    surface = middle + np.array([[0.3, 0.0, 0.0], [0.0, beside_m, 0.0]])
     assert lower_by_m(M545, JAW_RAD, surface, DOWN) == pytest.approx(lower_m, abs=1e-9)
