@@ -37,6 +37,11 @@ class RobotSettings(PluginSettings):
         """Stiffness of each support of a machine that may tip [N/m]; None if that is its file's."""
         return None
 
+    @property
+    def legs_s(self) -> float:
+        """How long it takes at most to raise the legs, or to stand on them [s]; 0: its file's."""
+        return 0.0
+
 
 class Robot(Plugin, ABC):
     """Measures and moves. Its settings class derives from RobotSettings."""

@@ -92,6 +92,8 @@ class _DriveWatch:
         self._planner = context.use(DrivePlanner)
         self._along_m = self._best_m = 0.0
         self._well_s = self._moved_s = context.now_s()
+        # Legs that are down, as at first and after a pause, are raised before it moves.
+        self._patience_s = settings.patience + _legs_s(context)
 
     def follow(self, robot: Robot) -> Generator[None, None, Stopped | None]:
         """Drive to the end, and brake there; return what stopped it before, or None."""
@@ -132,7 +134,7 @@ class _DriveWatch:
             return Stopped(DriveTrouble.TOO_STEEP, steep)
         if steering.along_m > self._best_m + _STANDS_M_S:
             self._best_m, self._moved_s = steering.along_m, now_s
-        if now_s - self._moved_s > s.patience:
+        if now_s - self._moved_s > self._patience_s:
             told = f"the machine has not moved on for {now_s - self._moved_s:.1f} s"
             return Stopped(DriveTrouble.NOT_MOVING, told)
         return None
@@ -154,16 +156,25 @@ class _DriveWatch:
         return f"the chassis leans by {np.degrees(tilt):.0f}°, and it drives on up to {most:.0f}°"
 
 
+def _legs_s(context: Context) -> float:
+    limits = context.machine().driving
+    return limits.legs_s if limits is not None else 0.0
+
+
 def _come_to_rest(context: Context) -> Generator[None, None, Stopped | None]:
-    """Wait until the chassis stands by the estimate; return what is wrong if it does not."""
+    """Wait until the chassis stands by the estimate; return what is wrong if it does not.
+
+    A machine with legs has had the time to stand on them by then.
+    """
     limits, began_s = context.machine().driving, context.now_s()
     limit_s = 2 * _STANDS_S + 2 * (limits.stop_s(limits.max_speed_m_s) if limits else 0.0)
-    moved_s = began_s
+    limit_s += _legs_s(context)
+    moved_s = began_s + _legs_s(context)
     while context.now_s() - moved_s < _STANDS_S:
         yield None
         speed_m_s = float(np.linalg.norm(context.state().v_map_cabin))
         if speed_m_s >= _STANDS_M_S:
-            moved_s = context.now_s()
+            moved_s = max(moved_s, context.now_s())
         if context.now_s() - began_s > limit_s:
             told = f"it still moves with {speed_m_s:.2f} m/s after it was told to stand"
             return Stopped(DriveTrouble.OFF_PATH, told)

@@ -24,6 +24,13 @@ class Driving(Sourced):
     step_m: float = Field(
         gt=0, le=1, description="Highest step of the ground that it drives over [m]."
     )
+    legs_s: float = Field(
+        0.0,
+        ge=0,
+        le=120,
+        description="How long the machine takes at most to raise its legs before it drives, and to "
+        "stand on them again after it [s]; 0 if it works on its wheels. A simulated robot sets it.",
+    )
     posture: str = Field("scan", description="Posture of the arm while the machine drives.")
 
     @property

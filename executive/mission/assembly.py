@@ -124,6 +124,9 @@ def machine_of(selections: Selections, model: str) -> Machine:
         if free[0].support_n_m is not None:
             told["support_n_m"] = free[0].support_n_m
         changed["stance"] = machine.stance.model_copy(update=told)
+    slow = [one.legs_s for one in robots if one.legs_s]
+    if slow and machine.driving is not None:
+        changed["driving"] = machine.driving.model_copy(update={"legs_s": slow[0]})
     if any(one.ground == "rock" for one in robots):
         changed["gripper"] = machine.gripper.model_copy(update={"digs_m": 0.0})
     return machine.model_copy(update=changed) if changed else machine

@@ -56,9 +56,17 @@ class BaseDriver:
                 rest in the posture for driving. A command to stand still is always taken.
         """
         if drive.speed_m_s != 0.0:
-            self._check(drive)
-            self._check_arm(arm, arm_moves=arm_moves)
+            self.check(drive, arm, arm_moves=arm_moves)
         self._wanted, self._left_s = drive, DRIVE_HOLD_S
+
+    def check(self, drive: Drive, arm: Float, *, arm_moves: bool) -> None:
+        """Refuse what `command` refuses, and do nothing else.
+
+        Raises:
+            RobotError: See `command`.
+        """
+        self._check(drive)
+        self._check_arm(arm, arm_moves=arm_moves)
 
     def check_at_rest(self) -> None:
         """Let a motion of the arm pass only while the chassis stands.

@@ -86,3 +86,33 @@ def test_how_far_it_stands_off_its_goal_and_how_long_it_took_is_recorded(fakes):
     assert ended.off_m == pytest.approx(np.hypot(x - 8.0, y - 1.0), abs=1e-6)
     assert ended.off_rad == pytest.approx(abs(yaw - 0.2), abs=1e-6)
     assert 4.0 < ended.lasted_s < context.time_s
+
+
+def slow_legs(context, legs_s=6.0):
+    """Let the machine take so long to raise its legs, or to stand on them again."""
+    driving = MACHINE.driving.model_copy(update={"legs_s": legs_s})
+    context.machine = lambda: MACHINE.model_copy(update={"driving": driving})
+    return context
+
+
+def test_a_machine_on_legs_has_time_to_raise_them_and_to_stand_on_them(fakes):
+    times = []
+    for legs_s in (0.0, 6.0):
+        context, robot = on_wheels(fakes)
+        take, began_s = robot.command, legs_s
+        robot.command = lambda given, take=take, context=context, began_s=began_s: (
+            take(given) if context.time_s > began_s else None
+        )
+        outcome = fakes.finish(leaf(slow_legs(context, legs_s), place=[8, 0], heading=0))
+        assert outcome.success, outcome.reason
+        times.append(context.time_s)
+    braking_s = 0.6  # which the time to stand on the legs contains
+    assert 12.0 - braking_s < times[1] - times[0] < 12.2
+
+
+def test_legs_that_are_never_raised_are_a_machine_that_does_not_move(fakes):
+    context, robot = on_wheels(fakes)
+    robot.stuck = True
+    trouble, reason = failure(fakes, slow_legs(context))
+    assert trouble is DriveTrouble.NOT_MOVING
+    assert "for 9.0 s" in reason or "for 9.1 s" in reason

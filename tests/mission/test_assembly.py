@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from executive_plugins.robot.mujoco.settings import MujocoSettings
 
 from executive import registry
 from executive.config import NoSettings
@@ -141,9 +142,16 @@ def test_a_machine_may_tip_and_lean_where_its_robot_says_so(
     monkeypatch, may_tip, support_n_m, expected
 ):
     monkeypatch.setattr(assembly, "RobotSettings", SimpleNamespace)
-    settings = SimpleNamespace(may_tip=may_tip, support_n_m=support_n_m, ground="soil")
+    settings = SimpleNamespace(may_tip=may_tip, support_n_m=support_n_m, legs_s=0, ground="soil")
     stance = assembly.machine_of({"robot": (SimpleNamespace(settings=settings),)}, "m545").stance
     assert (stance.is_free, stance.support_n_m) == (may_tip, expected)
+
+
+@pytest.mark.parametrize("base", ["on_legs", "on_wheels", "welded"])
+def test_a_machine_on_legs_takes_time_to_raise_them_before_it_drives(base):
+    settings = MujocoSettings(base=base)
+    machine = assembly.machine_of({"robot": (SimpleNamespace(settings=settings),)}, "m545")
+    assert machine.driving.legs_s == (settings.legs.longest_s if base == "on_legs" else 0.0)
 
 
 @pytest.mark.parametrize(("ground", "digs_m"), [("soil", 0.13), ("rock", 0.0)])

@@ -12,7 +12,7 @@ api: 1
 mission: drive
 extends: base
 plugins:
-  robot: {base: on_wheels, site: {terrain: {half_size_m: 20}, stones: {count: 0}}}
+  robot: {base: BASE, site: {terrain: {half_size_m: 20}, stones: {count: 0}}}
   driving: dubins
 trees:
   main:
@@ -28,8 +28,9 @@ trees:
 """
 
 
-def test_it_drives_where_the_map_shows_ground_and_not_farther(run_mission):
-    finished = run_mission(mission=DRIVE)
+@pytest.mark.parametrize("base", ["on_wheels", "on_legs"])
+def test_it_drives_where_the_map_shows_ground_and_not_farther(run_mission, base):
+    finished = run_mission(mission=DRIVE.replace("BASE", base))
     (ended,) = finished.events("drive_ended")
     assert ended["payload"]["off_m"] < 0.1
     (failed,) = finished.events("drive_failed")

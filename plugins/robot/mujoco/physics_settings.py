@@ -3,8 +3,10 @@
 from executive_plugins.physics.contact_settings import ContactSettings
 from pydantic import Field
 
-from executive.config import Newtons, Seconds, Settings
+from executive.config import Meters, Newtons, Seconds, Settings
 from executive.errors import ConfigError
+
+LEG_TRAVEL_M = 0.6  # of a foot, up and down: a machine 3.3 m long on a slope of 15° needs 0.44
 
 
 class PhysicsSettings(ContactSettings):
@@ -48,3 +50,18 @@ class LegSettings(Settings):
     damping_ratio: float = Field(
         0.1, ge=0, le=2, description="Damping of the machine on its legs over the critical one."
     )
+    speed_m_s: float = Field(
+        0.1,
+        gt=0,
+        le=1,
+        description="How fast a foot is raised before the machine drives, and put down after "
+        "[m/s]: a guess.",
+    )
+    clearance_m: Meters = Field(
+        0.15, gt=0, le=0.3, description="Height of the feet above the ground while it drives [m]."
+    )
+
+    @property
+    def longest_s(self) -> float:
+        """How long it takes at most to raise the legs, or to stand on them again [s]."""
+        return 2.0 + 1.5 * (self.clearance_m + LEG_TRAVEL_M) / self.speed_m_s

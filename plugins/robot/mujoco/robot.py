@@ -184,6 +184,7 @@ class MujocoRobot(Robot, Scene, Photographer, SurveyedAside, Breakable, Witness)
     def reset(self) -> None:
         """Take commands again; refused while a path is under way."""
         self._latch.release(is_moving=self.world.is_moving)
+        self.world.take_up()
 
     def latched(self) -> str:
         """Return why commands are refused; empty while they are taken."""

@@ -27,9 +27,9 @@ class MujocoSettings(RobotSettings):
     )
     base: Literal["by_scenario", "welded", "on_legs", "on_wheels"] = Field(
         "by_scenario",
-        description="Whether the chassis is fixed to the ground, stands on its legs (it sways, and "
-        "may tip), or on its wheels (it drives). `by_scenario` is `welded` in `kind`, and "
-        "`on_legs` in the others.",
+        description="Whether the chassis is fixed to the ground, stands on its legs (it sways, may "
+        "tip, and raises them to drive), or on its wheels alone (it drives). `by_scenario` is "
+        "`welded` in `kind`, and `on_legs` in the others.",
     )
     drive: Literal["servo", "hydraulic"] = Field(
         "servo",
@@ -57,6 +57,10 @@ class MujocoSettings(RobotSettings):
     @property
     def support_n_m(self) -> float | None:
         return self.legs.stiffness_n_m if self.footing == "on_legs" else None
+
+    @property
+    def legs_s(self) -> float:
+        return self.legs.longest_s if self.footing == "on_legs" else 0.0
 
     def refusals(self, machine: Machine) -> Iterator[Refusal]:
         for i, dropout in enumerate(self.sensors.dropouts):

@@ -6,15 +6,20 @@ from typing import TypedDict
 import mujoco
 import numpy as np
 from executive_plugins.physics.scenario import Scenario, contact_of
-from executive_plugins.robot.base_driver import KeptBase
 from executive_plugins.robot.mujoco.machine.arm_servos import ArmServos, make_servos
+from executive_plugins.robot.mujoco.machine.footing import Footing, KeptFooting, OnLegs, OnWheels
 from executive_plugins.robot.mujoco.machine.hydraulic_arm import (
     HydraulicArm,
     add_friction,
 )
 from executive_plugins.robot.mujoco.machine.jaw_drive import JawDrive, KeptJaws
 from executive_plugins.robot.mujoco.machine.legs import Legs, set_footing, set_on_legs
-from executive_plugins.robot.mujoco.machine.wheels import Wheels, set_on_wheels, standing_on
+from executive_plugins.robot.mujoco.machine.wheels import (
+    Wheels,
+    add_carrier,
+    set_on_wheels,
+    standing_on,
+)
 from executive_plugins.robot.mujoco.physics import apply_physics
 from executive_plugins.robot.mujoco.physics_settings import LegSettings, PhysicsSettings
 from executive_plugins.robot.mujoco.site.person import Walk
@@ -46,7 +51,7 @@ class KeptWorld(TypedDict):
     follower: KeptPath
     arm: Mapping[str, object]
     jaws: KeptJaws
-    wheels: KeptBase | None
+    footing: KeptFooting
 
 
 class World:
@@ -58,8 +63,7 @@ class World:
         scenario: Name of its physics.
         model: Compiled MuJoCo model; bodies and joints have the names of the description.
         data: State of the model.
-        legs: The legs that the machine stands on, or None if it stands on none.
-        wheels: The wheels that it drives on, or None if it does not drive.
+        footing: What the machine stands on.
         T_world_base: Pose of the base at the start, shape (4, 4).
     """
 
@@ -83,7 +87,8 @@ class World:
             scenario: Name of its physics.
             legs: How the legs yield; the base is welded to the ground without.
             valves: Draws the machine's own valves; its joints have servos without.
-            on_wheels: Whether the machine stands on wheels, and drives.
+            on_wheels: Whether the machine stands on wheels, and drives; one on legs drives, too, if
+                its description says how.
         """
         self.machine, self.site = machine, site
         self.scenario, self._contact = scenario, contact_of(scenario, machine.gripper)
@@ -101,10 +106,7 @@ class World:
         self._follower = Follower(machine, self.arm.position())
         self._control_steps = 0
         self._observers: list[Callable[[World], None]] = []
-        self.legs = None if legs is None else Legs(self.model, self.data, machine)
-        self.wheels: Wheels | None = None
-        if on_wheels:
-            self.wheels = Wheels(self.model, self.data, machine, site.terrain.height_at)
+        self.footing = self._footing(legs, on_wheels=on_wheels)
         self._stand()
 
     @property
@@ -115,9 +117,17 @@ class World:
     @property
     def is_moving(self) -> bool:
         """Whether a trajectory is being followed, or the chassis moves."""
-        return self._follower.is_moving or (
-            self.wheels is not None and self.wheels.driver.is_moving
-        )
+        return self._follower.is_moving or self.footing.is_moving
+
+    @property
+    def legs(self) -> Legs | None:
+        """The legs that the machine stands on, or None if it stands on none."""
+        return self.footing.legs
+
+    @property
+    def wheels(self) -> Wheels | None:
+        """The wheels that it drives on, or None if it does not drive."""
+        return self.footing.wheels
 
     def reference(self) -> Float:
         """Return where the arm is asked to be now, shape (n,)."""
@@ -133,8 +143,7 @@ class World:
         Raises:
             RobotError: If it is refused.
         """
-        if self.wheels is not None:
-            self.wheels.driver.check_at_rest()
+        self.footing.check_standing()
         self._follower.follow(command.trajectory, self.arm.position(), command.stop_s)
 
     def limit_stop(self, command: LimitStop) -> None:
@@ -145,11 +154,9 @@ class World:
         """Drive the chassis.
 
         Raises:
-            RobotError: If it stands on no wheels, or the command is refused; see `BaseDriver`.
+            RobotError: If it does not drive, or the command is refused; see `BaseDriver`.
         """
-        if self.wheels is None:
-            raise RobotError("the chassis is fixed to its place: set robot.base to on_wheels")
-        self.wheels.driver.command(command, self.arm.position(), arm_moves=self._follower.is_moving)
+        self.footing.command(command, self.arm.position(), arm_moves=self._follower.is_moving)
 
     def move_jaws(self, command: MoveJaws) -> None:
         """Drive the jaws.
@@ -172,17 +179,17 @@ class World:
     def stop(self) -> None:
         """Slow the arm down along its path, and brake; the jaws keep pressing."""
         self._follower.stop()
-        self._brake()
+        self.footing.stop()
 
     def give_up(self) -> None:
         """Slow the arm down for good; jaws that press keep pressing, and others hold."""
         self._follower.give_up()
-        self._brake()
+        self.footing.give_up()
         self.jaws.hold()
 
-    def _brake(self) -> None:
-        if self.wheels is not None:
-            self.wheels.driver.stop()
+    def take_up(self) -> None:
+        """Go on after `give_up`: a machine on raised legs stands on them again."""
+        self.footing.go_on()
 
     def resume(self) -> None:
         """Continue along the path that `stop` interrupted."""
@@ -226,8 +233,7 @@ class World:
                 f"the simulated world diverged at {self.time_s:.2f} s; use a smaller "
                 "physics.timestep_s"
             )
-        if self.legs is not None:
-            self.legs.watch()
+        self.footing.watch()
         for observer in self._observers:
             observer(self)
 
@@ -235,10 +241,7 @@ class World:
         """Advance by one integration step, with references of the arm, shape (n,) each."""
         self.arm.drive(position, velocity)
         self.jaws.drive()
-        if self.wheels is not None:
-            self.wheels.advance(float(self.model.opt.timestep))
-        if self.legs is not None:
-            self.legs.weigh()
+        self.footing.advance(float(self.model.opt.timestep))
         mujoco.mj_step(self.model, self.data)
 
     def _stand(self) -> None:
@@ -265,7 +268,7 @@ class World:
             "follower": self._follower.keep(),
             "arm": self.arm.keep(),
             "jaws": self.jaws.keep(),
-            "wheels": None if self.wheels is None else self.wheels.driver.keep(),
+            "footing": self.footing.keep(),
         }
 
     def restore(self, kept: KeptWorld) -> None:
@@ -276,8 +279,7 @@ class World:
         self.arm.restore(kept["arm"])
         self._follower.restore(kept["follower"])
         self.jaws.restore(kept["jaws"])
-        if self.wheels is not None and kept["wheels"] is not None:
-            self.wheels.driver.restore(kept["wheels"])
+        self.footing.restore(kept["footing"])
 
     def T_world_body(self, name: str) -> Float:
         """Return the pose of a link or a stone by its name, shape (4, 4)."""
@@ -288,6 +290,14 @@ class World:
         if valves is None or self.machine.hydraulics is None:
             return ArmServos(self.model, self.data, self.machine)
         return HydraulicArm(self.model, self.data, self.machine, self.machine.hydraulics, valves)
+
+    def _footing(self, legs: LegSettings | None, *, on_wheels: bool) -> Footing:
+        height_at = self.site.terrain.height_at
+        if on_wheels:
+            return OnWheels(self.model, self.data, self.machine, height_at)
+        if legs is not None:
+            return OnLegs(self.model, self.data, self.machine, height_at, legs)
+        return Footing()
 
     def _build(
         self,
@@ -307,6 +317,8 @@ class World:
             add_friction(spec, hydraulics, self.machine)
         if legs is not None:
             set_on_legs(spec, self.machine, legs)
+            if self.machine.driving is not None:
+                add_carrier(spec, self.machine, holds=False)
         if on_wheels:
             set_on_wheels(spec, self.machine)
         self.site.add_to(spec)

@@ -2,7 +2,8 @@
 
 Each leg is a foot on a spring along the chassis' z axis, at a point of support of the machine's
 description. A foot pushes and never pulls. Before time begins the legs are levelled, as an operator
-does with the arm in its first posture; then they are locked, and only the springs yield.
+does with the arm in its first posture; then they are locked, and only the springs yield. A machine
+that drives raises them before, and stands on them again after it (`undercarriage.py`).
 """
 
 from typing import ClassVar
@@ -10,7 +11,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 from executive_plugins.physics.surface import Surface, round_patch
-from executive_plugins.robot.mujoco.physics_settings import LegSettings
+from executive_plugins.robot.mujoco.physics_settings import LEG_TRAVEL_M, LegSettings
 from scipy.spatial import ConvexHull
 
 from executive.arrays import Float
@@ -20,9 +21,10 @@ from executive.machine.machine import Machine
 
 _FOOT_RADIUS_M = 0.15
 _FOOT_SHARE = 0.004  # mass of a foot over the machine's; it is taken from the chassis
-_TRAVEL_M = 0.3  # of a foot, up and down
 _STRONGEST = 3  # priority of the feet's contacts: above steel, soil and stone
 _CONDIM = 4
+_GAIN = 0.1  # of the legs' drives: the share of what is missing that an integration step adds
+_ALIKE = 0.02  # of a load: as near to it as a leg is put down
 
 
 def legs_names(machine: Machine) -> tuple[str, ...]:
@@ -53,7 +55,7 @@ def set_on_legs(spec: mujoco.MjSpec, machine: Machine, settings: LegSettings) ->
     for name, (x, y) in zip(legs_names(machine), machine.stance.supports_m, strict=True):
         foot = base.add_body(name=name, pos=[x, y, -height_m])
         joint = foot.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, 1.0])
-        joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, [-_TRAVEL_M, _TRAVEL_M]
+        joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, [-LEG_TRAVEL_M, LEG_TRAVEL_M]
         joint.stiffness, joint.damping = [settings.stiffness_n_m, 0, 0], [damping, 0, 0]
         foot.add_geom(name=name, size=[_FOOT_RADIUS_M, 0.0, 0.0], mass=foot_kg)
         for link in machine.links:
@@ -88,6 +90,7 @@ class Legs:
         self._base = model.body(machine.base_link).id
         self._links = np.array([model.body(name).id for name in machine.links])
         self._masses = np.array(model.body_mass[self._links])
+        self._total_kg = self._masses.sum()
         self._model = model
         self._supports_m = np.array(machine.stance.supports_m)
         self._edges = ConvexHull(self._supports_m).equations
@@ -100,22 +103,59 @@ class Legs:
         that hold up each link from outside, which would hold up the chassis, too: the sum of these
         forces is taken back at the chassis, where it acts on no joint of the arm.
         """
-        weight = np.array([0.0, 0.0, -GRAVITY_M_S2 * self._masses.sum()])
-        middle = self._masses @ self._data.xipos[self._links] / self._masses.sum()
-        self._data.xfrc_applied[self._base, :3] = weight
-        self._data.xfrc_applied[self._base, 3:] = np.cross(
-            middle - self._data.xipos[self._base], weight
-        )
+        middle = self._masses @ self._data.xipos[self._links] / self._total_kg
+        x, y, _ = middle - self._data.xipos[self._base]
+        f_z = -GRAVITY_M_S2 * self._total_kg
+        self._data.xfrc_applied[self._base] = (0.0, 0.0, f_z, y * f_z, -x * f_z, 0.0)
 
     def level(self) -> None:
         """Set the springs such that the chassis is level under the weight as it is now."""
-        total_kg = self._masses.sum()
+        self._model.qpos_spring[self._qpos] = -self._level_loads_n() / self._stiffness
+
+    def _level_loads_n(self) -> Float:
+        """Return what each leg bears of the weight as it is now [N], shape (L,)."""
+        total_kg = self._total_kg
         middle = self._masses @ self._data.xipos[self._links] / total_kg
-        x, y = (middle - self._data.xpos[self._base])[:2]
+        away_m = middle - self._data.xpos[self._base]
+        x, y = (self._data.xmat[self._base].reshape(3, 3).T @ away_m)[:2]
         # The loads of least squares that balance force and moments, as springs of one stiffness do.
         balance = np.vstack([np.ones(len(self._supports_m)), self._supports_m.T])
-        loads_n = np.linalg.pinv(balance) @ (total_kg * GRAVITY_M_S2 * np.array([1.0, x, y]))
-        self._model.qpos_spring[self._qpos] = -loads_n / self._stiffness
+        return np.asarray(
+            np.linalg.pinv(balance) @ (total_kg * GRAVITY_M_S2 * np.array([1.0, x, y]))
+        )
+
+    def springs_m(self) -> Float:
+        """Return how far each foot is out where its spring is slack [m], shape (L,); up is > 0."""
+        return np.array(self._model.qpos_spring[self._qpos])
+
+    def set_springs(self, slack_m: Float) -> None:
+        """Set what `springs_m` returns."""
+        self._model.qpos_spring[self._qpos] = slack_m
+
+    def shorten(self, to_m: float, step_m: float) -> bool:
+        """Draw the feet in by a step, as far as to a height above a plane; return whether all are.
+
+        Args:
+            to_m: The height above level ground on which the machine stands on its wheels [m].
+            step_m: How far one step draws them in [m].
+        """
+        slack_m = self.springs_m()
+        self.set_springs(np.maximum(slack_m, np.minimum(slack_m + step_m, to_m)))
+        return bool((slack_m >= to_m).all())
+
+    def lengthen(self, step_m: float) -> bool:
+        """Put the feet out by a step at most, towards where each bears its part of the weight.
+
+        A foot at the end of its travel bears nothing.
+
+        Returns:
+            Whether all do, within 2 %.
+        """
+        loads_n = self._level_loads_n()
+        away_m = (self.loads_n() - loads_n) / self._stiffness
+        slack_m = self.springs_m() + np.clip(_GAIN * away_m, -step_m, step_m)
+        self.set_springs(np.maximum(slack_m, -LEG_TRAVEL_M))
+        return bool((np.abs(self.loads_n() - loads_n) <= _ALIKE * loads_n).all())
 
     def loads_n(self) -> Float:
         """Return the force of each leg on the ground [N], shape (L,); 0 of a foot in the air."""

@@ -16,7 +16,7 @@ from executive_plugins.robot.base_driver import BaseDriver
 from executive.arrays import Float
 from executive.errors import ConfigError
 from executive.geometry.pose import pose
-from executive.geometry.rotation import quaternion_wxyz
+from executive.geometry.rotation import from_quaternion, quaternion_wxyz
 from executive.machine.machine import Machine
 
 HeightAt = Callable[[Float], Float]  # ground heights [m] at places (n, 2), shape (n,)
@@ -34,19 +34,34 @@ def set_on_wheels(spec: mujoco.MjSpec, machine: Machine) -> None:
     Raises:
         ConfigError: If the machine's description says not how it drives or on what it stands.
     """
+    base = spec.body(machine.base_link)
+    base.add_freejoint()
+    spec.add_exclude(bodyname1=base.name, bodyname2="world")  # the carrier bears it
+    add_carrier(spec, machine, holds=True)
+
+
+def add_carrier(spec: mujoco.MjSpec, machine: Machine, *, holds: bool) -> None:
+    """Add the carrier of a chassis that is a free body.
+
+    Args:
+        spec: The model.
+        machine: The machine.
+        holds: Whether it holds the chassis from the start.
+
+    Raises:
+        ConfigError: If the machine's description says not how it drives or on what it stands.
+    """
     if machine.driving is None or len(machine.stance.supports_m) < 3:
         raise ConfigError(
             f"{machine.name} does not drive: give driving and stance.supports_m in its robot.yaml, "
             "or robot.base: welded"
         )
     base = spec.body(machine.base_link)
-    base.add_freejoint()
-    spec.add_exclude(bodyname1=base.name, bodyname2="world")  # the carrier bears it
     carrier = spec.worldbody.add_body(name=_CARRIER, pos=base.pos, quat=base.quat, mocap=True)
     hold = spec.add_equality(
         name=_CARRIER, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY
     )
-    hold.name1, hold.name2 = base.name, carrier.name
+    hold.name1, hold.name2, hold.active = base.name, carrier.name, holds
     hold.data[:11] = (*(0.0,) * 6, 1.0, 0.0, 0.0, 0.0, 1.0)  # no offset, no turn, torque in m
     hold.solref[:2] = (_HOLD_S, 1.0)
     hold.solimp[:5] = (0.99, 0.999, 0.001, 0.5, 2.0)
@@ -87,12 +102,36 @@ class Wheels:
         self, model: mujoco.MjModel, data: mujoco.MjData, machine: Machine, height_at: HeightAt
     ) -> None:
         self._data, self._machine, self._height_at = data, machine, height_at
-        self._row = int(model.body(_CARRIER).mocapid[0])
+        self._row, self._hold = int(model.body(_CARRIER).mocapid[0]), model.eq(_CARRIER).id
+        self._base = model.body(machine.base_link).id
         self.driver = BaseDriver(machine)
 
     def advance(self, dt_s: float) -> None:
         """Advance by one integration step; call it before the step."""
         if self.driver.is_moving:
-            T = standing_on(self._height_at, self._machine, self.driver.advance(dt_s))
-            self._data.mocap_pos[self._row] = T[:3, 3]
-            self._data.mocap_quat[self._row] = quaternion_wxyz(T[:3, :3])
+            self.carry_to(self.standing_at(self.driver.advance(dt_s)))
+
+    def standing_at(self, pose_map: Float) -> Float:
+        """Return T_world_base of the machine on its wheels, shape (4, 4); see `standing_on`."""
+        return standing_on(self._height_at, self._machine, pose_map)
+
+    def carrier(self) -> Float:
+        """Return the pose of the carrier, shape (4, 4)."""
+        R = from_quaternion(self._data.mocap_quat[self._row])
+        return pose(R, self._data.mocap_pos[self._row].copy())
+
+    def carry_to(self, T_world_base: Float) -> None:
+        """Set the pose of the carrier, shape (4, 4)."""
+        self._data.mocap_pos[self._row] = T_world_base[:3, 3]
+        self._data.mocap_quat[self._row] = quaternion_wxyz(T_world_base[:3, :3])
+
+    def hold(self) -> Float:
+        """Let the carrier hold the chassis where it is; return that pose, shape (4, 4)."""
+        self._data.mocap_pos[self._row] = self._data.xpos[self._base]
+        self._data.mocap_quat[self._row] = self._data.xquat[self._base]
+        self._data.eq_active[self._hold] = 1
+        return self.carrier()
+
+    def let_go(self) -> None:
+        """Let the carrier hold the chassis no more."""
+        self._data.eq_active[self._hold] = 0

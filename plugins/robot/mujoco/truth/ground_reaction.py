@@ -54,10 +54,13 @@ class GroundReaction:
 
         MuJoCo has them about the middle of mass of the machine (com-based, moment first). Legs push
         through their feet. A chassis on wheels is carried from outside, and the weight of the links
-        is held at its free joint.
+        is held at its free joint. One on legs whose wheels bear it is carried, too; its weight is
+        applied to it.
         """
         if self._feet:
             on_machine = data.cfrc_ext[self._feet].sum(axis=0)
+            if data.eq_active.any():
+                on_machine = on_machine + data.cfrc_ext[self._base] - self._applied(data)
         elif self._is_free:
             on_machine = data.cfrc_int[self._base] + data.cfrc_ext[self._base]
         else:
@@ -74,6 +77,12 @@ class GroundReaction:
                 f_z,
             ]
         )
+
+    def _applied(self, data: mujoco.MjData) -> Float:
+        """Return what is applied to the chassis, about the middle of mass, moment first, (6,)."""
+        force, moment = np.split(data.xfrc_applied[self._base], 2)
+        away_m = data.xipos[self._base] - data.subtree_com[self._root]
+        return np.concatenate([moment + np.cross(away_m, force), force])
 
     def _about_edges(self, wrench: Float, R_world_base: Float) -> Float:
         """Return how a wrench on the ground holds the machine about each side [N·m], shape (K,).

@@ -84,7 +84,7 @@ def test_a_safe_stop_is_latched_until_the_machine_rests_and_is_reset(robot: Mujo
     assert robot.latched() == ""
     robot.command(MoveJaws(0.3, 8000.0))
     robot.command(Drive(0.5, 0.0))
-    assert [one[0] for one in robot.world.told] == ["give_up", "move_jaws", "drive"]
+    assert [one[0] for one in robot.world.told] == ["give_up", "take_up", "move_jaws", "drive"]
 
 
 def test_drives_of_the_arm_and_of_the_jaws_are_weakened_apart(robot: MujocoRobot) -> None:

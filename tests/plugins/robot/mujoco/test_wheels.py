@@ -73,5 +73,5 @@ def test_the_chassis_holds_while_the_arm_turns(machine):
 
 
 def test_a_welded_machine_refuses(machine):
-    with pytest.raises(RobotError, match="to on_wheels"):
+    with pytest.raises(RobotError, match="to on_legs or on_wheels"):
         started(machine, "welded").command(Drive(0.5, 0.0))
