@@ -9,6 +9,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
 from executive.leaf.follow import follow, position_of
+from executive.leaf.free_motion import FreeMotion
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed
 from executive.leaf.rest import come_to_rest
@@ -26,7 +27,8 @@ class ExecuteTrajectorySettings(Settings):
 class ExecuteTrajectory(Action[ExecuteTrajectorySettings]):
     """Follow a trajectory to its end; when cancelled, the machine stops along the path.
 
-    With `scan` the map is filled meanwhile, so that a look needs no motion of its own.
+    With `scan` the map is filled meanwhile, so that a look needs no motion of its own. An arm that
+    carries nothing stops, and the leaf fails, once it presses on something or lifts something.
     """
 
     needs = (Robot,)
@@ -54,11 +56,12 @@ class ExecuteTrajectory(Action[ExecuteTrajectorySettings]):
         return (yield from self._follow(rest))
 
     def _follow(self, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
+        moving = FreeMotion(self.context).watched(follow(self.context, trajectory))
         if not self.settings.scan:
-            return (yield from follow(self.context, trajectory))
+            return (yield from moving)
         robot = self.context.use(Robot)
         robot.command(SwitchLidars(True))
         try:
-            return (yield from follow(self.context, trajectory))
+            return (yield from moving)
         finally:
             robot.command(SwitchLidars(False))

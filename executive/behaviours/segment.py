@@ -21,7 +21,7 @@ from executive.leaf.outcome import failed, succeeded
 from executive.leaf.surroundings import map_cloud
 from executive.messages.cloud import Cloud
 from executive.messages.moving_places import MovingPlaces
-from executive.messages.segment import Segmentation
+from executive.messages.segment import PartKind, Segmentation
 from executive.messages.stone import Stone
 
 _MOST_MOVING = 0.5  # share of a part's points in places of which the map says that they do
@@ -44,6 +44,13 @@ class SiteSegments:
 class SegmentMapSettings(Settings):
     at_least: int = Field(
         1, ge=0, le=1000, description="Fewer stones than this in the map are a failure."
+    )
+    max_distance: Meters | None = Field(
+        None,
+        gt=0,
+        le=100,
+        description="Distance of a stone's centroid from the chassis from which on it is left out "
+        "[m]; none is if not given.",
     )
     survey_std: Meters = Field(
         0.04,
@@ -71,7 +78,8 @@ class SegmentMap(Action[SegmentMapSettings]):
     A stone's model includes its foot, where the jaws close.
 
     What the mapper has seen to move, a person or a stone that rolls, is told as moving, and is no
-    stone.
+    stone. Stones beyond `max_distance` are told as far: the lidars see their near side alone, which
+    from near by may not be known again.
     """
 
     needs = (Mapper, Segmenter, ObjectDatabase)
@@ -91,7 +99,9 @@ class SegmentMap(Action[SegmentMapSettings]):
         if not len(merged):
             return failed("the map is empty: scan first")
         segmentation = yield from self.context.job(segmenter.segment, merged)
-        segmentation = segmentation.with_moving(partial(_moves, moving))
+        segmentation = segmentation.leaving_out(PartKind.MOVING, partial(_moves, moving))
+        if self.settings.max_distance is not None:
+            segmentation = segmentation.leaving_out(PartKind.FAR, self._is_far)
         stones = yield from self.context.job(
             self.context.use(ObjectDatabase).observe,
             [segment.with_foot() for segment in segmentation.segments],
@@ -122,6 +132,15 @@ class SegmentMap(Action[SegmentMapSettings]):
         """Return the part of the survey that the arm can reach and the lidar map can confirm."""
         base = self.context.state().T_map_base[:2, 3]
         return drone_map.near(base, self.context.machine().reach_m + _BEYOND_REACH_M)
+
+    def _is_far(self, points_map: Float) -> str:
+        """Say how far a part is; empty if stones are looked for there."""
+        base = self.context.state().T_map_base[:2, 3]
+        away_m = float(np.linalg.norm(points_map.mean(axis=0)[:2] - base))
+        most_m = self.settings.max_distance
+        if most_m is None or away_m <= most_m:
+            return ""
+        return f"{away_m:.1f} m away, and stones are looked for up to {most_m:g} m"
 
 
 def _moves(places: MovingPlaces, points_map: Float) -> str:

@@ -49,6 +49,7 @@ class PartKind(StrEnum):
     TOO_SMALL = "too_small"
     STRUCTURE = "structure"  # flat, or wider than any heap: a wall, a building, a slope
     MOVING = "moving"  # it came a moment ago or is leaving; one cloud alone does not show that
+    FAR = "far"  # farther away than stones are looked for
     UNKNOWN = "unknown"
 
 
@@ -104,26 +105,28 @@ class Segmentation:
     def __post_init__(self) -> None:
         object.__setattr__(self, "ground_plane", checked("ground_plane", self.ground_plane, 4))
 
-    def with_moving(self, reason_of: Callable[[Float], str]) -> "Segmentation":
-        """Return the segmentation with what moves left out as such.
+    def leaving_out(self, kind: PartKind, reason_of: Callable[[Float], str]) -> "Segmentation":
+        """Return the segmentation with some parts left out as of a kind that it does not know.
 
         Args:
-            reason_of: Says of a part's points [m], shape (N, 3), why it moves; empty if it stands.
+            kind: The kind, such as what moves.
+            reason_of: Says of a part's points [m], shape (N, 3), why it is of that kind; empty if
+                it is not.
         """
-        moving, segments, rest = list[LeftOut](), list[Segment](), list[LeftOut]()
+        found, segments, rest = list[LeftOut](), list[Segment](), list[LeftOut]()
         for one in self.segments:
             if reason := reason_of(one.points):
-                what = PartKind.MOVING, reason, len(one.points)
-                moving.append(LeftOut(*what, one.centroid, one.extents, one.points))
+                what = kind, reason, len(one.points)
+                found.append(LeftOut(*what, one.centroid, one.extents, one.points))
             else:
                 segments.append(replace(one, id=len(segments)))
         for part in self.left_out:
             reason = reason_of(part.surface) if len(part.surface) else ""
             if reason:
-                moving.append(replace(part, kind=PartKind.MOVING, reason=reason))
+                found.append(replace(part, kind=kind, reason=reason))
             else:
                 rest.append(part)
-        if not moving:
+        if not found:
             return self
-        left_out = sorted((*moving, *rest), key=lambda part: -part.points)
+        left_out = sorted((*found, *rest), key=lambda part: -part.points)
         return replace(self, segments=tuple(segments), left_out=tuple(left_out))

@@ -276,6 +276,23 @@ def test_what_moves_is_told_and_is_no_stone(stage, database):
     assert "of its points are where nothing was a moment ago" in part.reason
 
 
+@pytest.mark.parametrize(("max_distance", "found"), [(None, 2), (12.0, 2), (8.0, 1), (3.0, 0)])
+def test_a_stone_that_is_farther_away_than_is_looked_is_told_and_left_out(
+    stage, database, max_distance, found
+):
+    near, far = stage.block((5.5, 0.5, 0.3)), stage.block((9.5, 0.5, 0.3))
+    segmenter = stage.Scripted(Segmenter, segment=segmentation(far, near), merge=merged)
+    mapper = stage.PointMap(np.vstack([near, far]))
+    stand = stage.Stage(mapping=mapper, segmentation=segmenter, objects=database)
+    ended = stand.tick(SegmentMap, settings={"max_distance": max_distance, "at_least": 0})
+    assert ended.reason == f"{found} stones"
+    (event,) = [event for event in ended.events if isinstance(event, SiteSegmented)]
+    assert [part.kind for part in event.left_out] == ["far"] * (2 - found)
+    if found == 1:
+        assert event.left_out[0].reason == "9.5 m away, and stones are looked for up to 8 m"
+        np.testing.assert_array_equal(ended.outputs["segmentation"].segments[0].points, near)
+
+
 def test_a_site_on_which_all_moves_has_no_stone(stage, database):
     person = stage.block((8.5, 0.5, 0.3))
     segmenter = stage.Scripted(Segmenter, segment=segmentation(person), merge=merged)

@@ -36,7 +36,7 @@ FOUND = Segmentation(
 
 
 def test_what_moves_is_left_out_and_the_rest_keeps_its_order() -> None:
-    told = FOUND.with_moving(lambda points: "walks" if points[0, 0] > 4.5 else "")
+    told = FOUND.leaving_out(PartKind.MOVING, lambda points: "walks" if points[0, 0] > 4.5 else "")
     assert [(one.id, len(one.points)) for one in told.segments] == [(0, 6)]
     assert [(str(one.kind), one.points, one.reason) for one in told.left_out] == [
         ("moving", 20, "walks"),
@@ -51,4 +51,4 @@ def test_what_moves_is_left_out_and_the_rest_keeps_its_order() -> None:
 
 
 def test_where_nothing_moves_it_is_the_same() -> None:
-    assert FOUND.with_moving(lambda points: "") is FOUND
+    assert FOUND.leaving_out(PartKind.MOVING, lambda points: "") is FOUND

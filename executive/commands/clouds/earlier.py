@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from executive.clouds.changes import HeightMap, Standing, check_overlap, verdicts
 from executive.clouds.reader import read_site
+from executive.messages.segment import PartKind
 
 if TYPE_CHECKING:
     from executive.arrays import Float
@@ -39,7 +40,7 @@ class EarlierCloud:
             DataError: If the two hardly show the same ground.
         """
         check_overlap(self._points, points)
-        return found.with_moving(self._reason)
+        return found.leaving_out(PartKind.MOVING, self._reason)
 
     def _reason(self, points: "Float") -> str:
         (verdict,) = verdicts([points], self._heights, NOISE_M)

@@ -1,0 +1,72 @@
+"""Whether an arm that should move freely presses on something, or lifts something."""
+
+from collections.abc import Generator
+
+import numpy as np
+
+from executive.leaf.context import Context
+from executive.leaf.outcome import Outcome, failed
+from executive.machine.gravity import GRAVITY_M_S2
+
+_TICKS = 2  # in a row, so that one sample that errs stops nothing
+_OF_BEGIN = 1.1  # an arm that already presses at first may go on, as long as it presses no more
+
+
+class FreeMotion:
+    """Watches the force on the tool of an arm that carries nothing.
+
+    A stone that lies otherwise than its model says is met at the speed of the approach, and may
+    hang on an open jaw on the way up. By the efforts of the arm such a force is too much once it
+    takes more than 0.45 of what holds the machine on its supports, which is as much as the motions
+    of a load may use (`tipping_moment.SHARE`). Where no supports are known, or no monitor tells
+    the force, it never is.
+
+    Args:
+        context: The leaf's view of the mission.
+    """
+
+    def __init__(self, context: Context) -> None:
+        from executive.machine.tipping_moment import SHARE, TippingMoment  # imports kinematics
+
+        self._context, self._most = context, SHARE
+        has_supports = bool(context.machine().stance.supports_m)
+        self._moment = TippingMoment(context.machine()) if has_supports else None
+        self._begun: float | None = None
+        self._over = 0
+
+    def watched(
+        self, moving: Generator[None, None, Outcome[None]]
+    ) -> Generator[None, None, Outcome[None]]:
+        """Go through a motion, and fail once the arm presses or lifts too much.
+
+        Args:
+            moving: The motion; it stops the arm when it is closed.
+        """
+        try:
+            while True:
+                next(moving)
+                if told := self._trouble():
+                    return failed(told)
+                yield None
+        except StopIteration as ended:
+            outcome: Outcome[None] = ended.value
+            return outcome
+        finally:
+            moving.close()
+
+    def _trouble(self) -> str:
+        """Return what is wrong at this tick; empty if nothing is."""
+        hangs_kg = self._context.payload_kg()
+        if self._moment is None or hangs_kg is None or self._context.is_carried():
+            return ""
+        q, force_n = self._context.arm(), np.array([0.0, 0.0, -GRAVITY_M_S2 * hangs_kg])
+        used = self._moment.tipping_nm(q, force_n) / self._moment.holding_nm(q, 0.0)
+        share = float(used.max())
+        if self._begun is None:
+            self._begun = share
+        self._over = self._over + 1 if share > max(self._most, _OF_BEGIN * self._begun) else 0
+        if self._over < _TICKS:
+            return ""
+        what = "something hangs on the jaws" if hangs_kg > 0.0 else "the arm presses on something"
+        weight = f"{abs(hangs_kg):.0f} kg by the efforts of its joints, {share:.2f} of what"
+        return f"{what}, {weight} holds the machine, where the way should be free"

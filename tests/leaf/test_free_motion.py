@@ -1,0 +1,105 @@
+"""An arm that carries nothing stops once it presses on something, or lifts something."""
+
+from collections.abc import Callable, Generator
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from executive.leaf.free_motion import FreeMotion
+from executive.leaf.outcome import Outcome, succeeded
+from executive.machine.gravity import GRAVITY_M_S2
+from executive.machine.machine import Machine, load_machine
+from executive.machine.tipping_moment import SHARE, TippingMoment
+
+M545 = load_machine("m545")
+CARRY = M545.posture("carry")
+TICK_S, MOTION_S = 0.05, 3.0
+
+
+def force_of(share: float, upwards: bool) -> float:
+    """Return the mass whose weight on the tool takes a share of what holds the machine [kg]."""
+    moment = TippingMoment(M545)
+    sign = 1.0 if upwards else -1.0
+    per_n = moment.tipping_nm(CARRY, np.array([0.0, 0.0, sign])) / moment.holding_nm(CARRY, 0.0)
+    return float(-sign * share / per_n.max() / GRAVITY_M_S2)
+
+
+def moved(
+    hangs_kg: Callable[[float], float | None],
+    machine: Machine = M545,
+    is_carried: bool = False,
+) -> tuple[Outcome[None], float, bool]:
+    """Return how a motion ended, when, and whether the arm was stopped."""
+    context: Any = SimpleNamespace(
+        time_s=0.0,
+        machine=lambda: machine,
+        arm=lambda: CARRY,
+        is_carried=lambda: is_carried,
+        payload_kg=lambda: hangs_kg(context.time_s),
+    )
+    stopped = []
+
+    def moving() -> Generator[None, None, Outcome[None]]:
+        try:
+            while context.time_s < MOTION_S:
+                yield None
+        except GeneratorExit:
+            stopped.append(context.time_s)
+            raise
+        return succeeded()
+
+    steps = FreeMotion(context).watched(moving())
+    while True:
+        try:
+            next(steps)
+        except StopIteration as ended:
+            return ended.value, context.time_s, bool(stopped)
+        context.time_s += TICK_S
+
+
+@pytest.mark.parametrize(
+    ("upwards", "told"),
+    [(True, "the arm presses on something"), (False, "something hangs on the jaws")],
+)
+def test_a_force_that_would_take_half_of_what_holds_the_machine_stops_the_arm(
+    upwards: bool, told: str
+) -> None:
+    too_much = force_of(1.1 * SHARE, upwards)
+    assert (too_much < 0) is upwards
+    outcome, ended_s, is_stopped = moved(lambda time_s: too_much if time_s >= 1.0 else 0.0)
+    assert not outcome.success
+    assert outcome.reason.startswith(f"{told}, {abs(too_much):.0f} kg")
+    assert ended_s == pytest.approx(1.0 + TICK_S)
+    assert is_stopped
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+def test_less_than_that_stops_nothing(upwards: bool) -> None:
+    outcome, ended_s, is_stopped = moved(lambda time_s: force_of(0.9 * SHARE, upwards))
+    assert outcome.success
+    assert ended_s >= MOTION_S
+    assert not is_stopped
+
+
+def test_one_sample_that_errs_stops_nothing() -> None:
+    assert moved(lambda time_s: 9000.0 if abs(time_s - 1.0) < TICK_S / 2 else 0.0)[0].success
+
+
+def test_an_arm_that_presses_at_first_may_leave_but_not_press_more() -> None:
+    pressed = force_of(0.9, upwards=True)
+    assert moved(lambda time_s: pressed * max(1.0 - time_s, 0.0))[0].success
+    outcome, ended_s, _ = moved(lambda time_s: pressed * (1.0 + 0.2 * time_s))
+    assert not outcome.success
+    assert 0.4 < ended_s < 0.8  # at 1.1 of what it was
+
+
+def test_what_is_carried_is_watched_by_others() -> None:
+    assert moved(lambda time_s: 2500.0, is_carried=True)[0].success
+
+
+def test_without_supports_or_a_monitor_nothing_is_too_much() -> None:
+    stance = M545.stance.model_copy(update={"supports_m": ()})
+    assert moved(lambda time_s: -9000.0, M545.model_copy(update={"stance": stance}))[0].success
+    assert moved(lambda time_s: None)[0].success
