@@ -8,6 +8,7 @@ from executive.interfaces.robot import Robot
 from executive.leaf.action import Steps
 from executive.leaf.context import Context
 from executive.leaf.follow import follow
+from executive.leaf.free_motion import FreeMotion
 from executive.leaf.outcome import failed
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_kg, held_stone, held_surface, surroundings
@@ -19,6 +20,8 @@ POSTURE_NEEDS = (Robot, MotionPlanner, Mapper, ObjectDatabase)
 
 def move_to_posture(context: Context, goal: Float, hold: Hold | None) -> Steps[None]:
     """Plan a way to joint positions and follow it; the jaws stay as they are.
+
+    An arm that holds nothing stops once it presses on something or lifts something.
 
     Args:
         context: The leaf's view of the mission; it needs `POSTURE_NEEDS`.
@@ -45,4 +48,5 @@ def move_to_posture(context: Context, goal: Float, hold: Hold | None) -> Steps[N
     if plan.trajectory is None:
         return failed(f"no way there: {plan.reason}")
     context.show("path", plan)
-    return (yield from follow(context, plan.trajectory))
+    way = follow(context, plan.trajectory)
+    return (yield from (way if held is not None else FreeMotion(context).watched(way)))
