@@ -11,6 +11,7 @@ from executive.arrays import Float
 from executive.errors import ConfigError, DataError
 from executive.estimate.calibration import Calibration
 from executive.estimate.drop import Drop
+from executive.estimate.lever import read_levers
 from executive.estimate.offset import Offset
 from executive.estimate.options import EstimateOptions
 from executive.estimate.plugin_making import made
@@ -61,7 +62,7 @@ class Material:
             ConfigError: If an option is wrong.
         """
         log = Log(path, read_topics(options.topics))
-        rig = log.rig(options.machine)
+        rig = log.rig(options.machine, read_levers(options.levers))
         calibration = options.calibration or Calibration()
         rig = calibration.applied(rig)
         offsets = (*calibration.offsets, *map(Offset.parse, options.offsets))
@@ -108,8 +109,9 @@ def _first_fix(path: Path, rig: Rig, arrivals: Sequence[Arrival]) -> GnssFix:
         first = fixes[0]
         _log.warning(
             "%s: none of %d fixes has a fixed RTK solution (status 2): the map's origin is the "
-            "first fix, and there are no errors against fixes; --score compares with a reference",
-            path, len(fixes),
+            "first fix, and errors are against fixes that themselves err by %.1f m along an axis; "
+            "--score compares with a reference",
+            path, len(fixes), _median_std_m(fixes),
         )  # fmt: skip
     strangers = sorted({fix.antenna for fix in fixes} - set(rig.sensors))
     if strangers:
@@ -118,6 +120,12 @@ def _first_fix(path: Path, rig: Rig, arrivals: Sequence[Arrival]) -> GnssFix:
             "machine with --machine"
         )
     return first
+
+
+def _median_std_m(fixes: Sequence[GnssFix]) -> float:
+    """Return the horizontal standard deviation of a fix along an axis, in the median [m]."""
+    variances = [np.trace(fix.covariance_enu_m2[:2, :2]) / 2 for fix in fixes]
+    return float(np.sqrt(np.median(variances)))
 
 
 def _without_scans(arrivals: Iterable[Arrival], plugins: Choices, rig: Rig) -> Iterator[Arrival]:

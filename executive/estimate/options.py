@@ -35,6 +35,7 @@ class EstimateOptions:
         plugins: The estimators and the lidar odometry with their settings; lidar scans are ignored
             if no odometry is chosen.
         is_realtime: Whether to replay at the pace of the recording.
+        levers: `FRAME:X,Y,Z`, where sensors are from the inertial one [m], of a log that lacks it.
     """
 
     machine: str | None = None
@@ -44,3 +45,4 @@ class EstimateOptions:
     calibration: Calibration | None = None
     plugins: Choices = field(default_factory=log_choices)
     is_realtime: bool = False
+    levers: Sequence[str] = ()

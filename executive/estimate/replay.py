@@ -23,7 +23,8 @@ class Replay:
     Attributes:
         states: The state after every inertial sample of the main sensor, from the first one with
             a position.
-        fixes: All fixes with a fixed RTK solution, also dropped ones; they are the reference.
+        fixes: The reference: all fixes with a fixed RTK solution, also dropped ones; those of any
+            kind of a log in which none has one.
         latency_us: Time from the arrival of each of those samples to the state [µs].
         counts: Observations fed by kind, and dropped ones.
         changes: Time [s], new status and reason at each change.
@@ -58,12 +59,14 @@ class Replayer:
                 clock.advance(early_s)
             self._take(arrival.observation)
         self._replay.wall_s = wall_s() - started_s
+        if any(fix.is_rtk_fixed for fix in self._replay.fixes):
+            self._replay.fixes = [fix for fix in self._replay.fixes if fix.is_rtk_fixed]
         self._replay.refused = dict(self._estimator.refused)
         return self._replay
 
     def _take(self, observation: Observation | LidarIncrement) -> None:
         replay = self._replay
-        if isinstance(observation, GnssFix) and observation.is_rtk_fixed:
+        if isinstance(observation, GnssFix):
             replay.fixes.append(observation)
         if any(drop.takes(observation) for drop in self._drops):
             replay.counts["dropped"] += 1

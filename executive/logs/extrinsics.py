@@ -7,6 +7,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.errors import DataError, did_you_mean
+from executive.geometry.pose import pose
 from executive.logs.decode import transform_of
 from executive.machine.rig import Rig
 
@@ -74,6 +75,33 @@ def rig_from(transforms: Iterable[Any], frames: Mapping[str, str], log: str) -> 
         )
     sensors = {frame: _sensor(frame, frames[frame], T) for frame, (_, T) in poses.items()}
     return Rig.model_validate({"name": body, "sensors": sensors})
+
+
+def rig_of_levers(levers: Mapping[str, Float], frames: Mapping[str, str], log: str) -> Rig:
+    """Return one rigid body whose axes are those of its inertial sensor.
+
+    Args:
+        levers: Place of each other sensor by its frame [m], shape (3,).
+        frames: As in `rig_from`.
+        log: Name of the log, for errors.
+
+    Raises:
+        DataError: If the log has not one inertial sensor, a sensor has no place, or a place is
+            that of a frame that the log does not have.
+    """
+    imus = [frame for frame, kind in frames.items() if kind == "imu"]
+    if len(imus) != 1:
+        told = ", ".join(imus) or "none"
+        raise DataError(f"{log}: places from the inertial sensor need one; the log has {told}")
+    for frame in levers:
+        if frame not in frames or frame in imus:
+            hint = did_you_mean(frame, [one for one in frames if one not in imus])
+            raise DataError(f"{log}: --lever: the log has no sensor of the frame '{frame}'{hint}")
+    if missing := [frame for frame in frames if frame not in levers and frame not in imus]:
+        raise DataError(f"{log}: --lever: the place of '{missing[0]}' is missing")
+    poses = {imus[0]: np.eye(4)} | {frame: pose(t=at) for frame, at in levers.items()}
+    sensors = {frame: _sensor(frame, frames[frame], T) for frame, T in poses.items()}
+    return Rig.model_validate({"name": imus[0], "sensors": sensors})
 
 
 def _to_root(frame: str, parents: Mapping[str, tuple[str, Float]], log: str) -> tuple[str, Float]:

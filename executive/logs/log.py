@@ -13,7 +13,7 @@ from executive.arrays import Float
 from executive.errors import DataError, ShapeError, did_you_mean
 from executive.geometry.pose import inverse
 from executive.logs import decode
-from executive.logs.extrinsics import rig_from
+from executive.logs.extrinsics import rig_from, rig_of_levers
 from executive.logs.log_source import LogSource, Recorded
 from executive.logs.topics import METADATA, TYPES, Topics
 from executive.machine.machine import load_machine
@@ -111,12 +111,14 @@ class Log:
         )  # fmt: skip
         return CutOff(cut.read_bytes, cut.file_bytes, until_s)
 
-    def rig(self, model: str | None) -> Rig:
+    def rig(self, model: str | None, levers: Mapping[str, Float] | None = None) -> Rig:
         """Return the rig that carried the sensors.
 
         Args:
             model: Name of a machine's description. None for the machine that the log names; if it
                 names none, the rig is made from the log's static transforms.
+            levers: Place of sensors by their frame, in the axes of the inertial sensor and from it
+                [m], shape (3,) each, for a log without static transforms: all are of one body.
 
         Raises:
             DataError: If the extrinsics of a sensor are missing.
@@ -124,16 +126,32 @@ class Log:
         model = model or self._source.metadata(METADATA).get("machine")
         if model:
             return load_machine(model)
-        named = {kind: name for name, kind in self._topics.items()}
+        named, frames = {kind: name for name, kind in self._topics.items()}, self._frames()
+        if levers:
+            return rig_of_levers(levers, frames, str(self.path))
         if "tf_static" not in named:
+            others = [frame for frame, kind in frames.items() if kind != "imu"]
+            example = " ".join(f"--lever {frame}:0,0,0" for frame in others)
             raise DataError(
-                f"{self.path}: no extrinsics: record tf_static, or name the machine with --machine"
+                f"{self.path}: no extrinsics: record tf_static, name the machine with --machine, "
+                f"or say where the sensors are from the inertial one, in its axes [m]: {example}"
             )
         transforms = [
             t
             for recorded in self._source.messages([named["tf_static"]])
             for t in recorded.message.transforms
         ]
+        try:
+            return rig_from(transforms, frames, str(self.path))
+        except (ShapeError, ValueError) as error:  # a rotation or a position that is none
+            reason = " ".join(str(error).split())[:_SHOWN]
+            raise DataError(
+                f"{self.path}: tf_static holds what is no transform ({reason}); record it again, "
+                "or name the machine with --machine"
+            ) from error
+
+    def _frames(self) -> Mapping[str, str]:
+        """Return the kind of sensor of each frame in the log's first messages."""
         frames: dict[str, str] = {}
         carried = {
             name: kind
@@ -144,14 +162,7 @@ class Log:
             kind = carried[recorded.topic]
             message = recorded.message
             frames[message.child_frame_id if kind == "odometry" else message.header.frame_id] = kind
-        try:
-            return rig_from(transforms, frames, str(self.path))
-        except (ShapeError, ValueError) as error:  # a rotation or a position that is none
-            reason = " ".join(str(error).split())[:_SHOWN]
-            raise DataError(
-                f"{self.path}: tf_static holds what is no transform ({reason}); record it again, "
-                "or name the machine with --machine"
-            ) from error
+        return frames
 
     def arrivals(self) -> Iterator[Arrival]:
         """Yield all measurements in order of arrival.

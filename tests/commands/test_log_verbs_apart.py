@@ -62,12 +62,13 @@ def test_a_calibration_is_told_written_and_said_how_to_use(
     asked: SimpleNamespace, tmp_path: Path, capsys: Any
 ) -> None:
     out = tmp_path / "rig.yaml"
-    calibrate_verb.calibrate(Path("a.mcap"), out, ["imu=/imu"], "m545", None, True)
+    calibrate_verb.calibrate(Path("a.mcap"), out, ["imu=/imu"], "m545", None, True, ["a lever"])
     ((path, log, quantities),) = asked.written
     assert (path, log) == (out, Path("a.mcap"))
     (read_log, (given, named)), method = quantities
     assert (read_log, given, method) == (Path("a.mcap"), ("m545", ["imu=/imu"]), "keyframe_batch")
-    assert set(named) == {"plugins"}
+    assert set(named) == {"plugins", "levers"}
+    assert named["levers"] == ["a lever"]
     assert asked.extras == [("executive calibrate", "logs")]
     told = capsys.readouterr()
     use = f"{out}: for executive estimate a.mcap --calibration {out}"
@@ -97,6 +98,7 @@ def test_estimators_are_compared_on_a_log(asked: SimpleNamespace, capsys: Any) -
     )  # fmt: skip
     (((log, (given, named)), names, options),) = asked.compared
     assert (log, names, options) == (Path("a.mcap"), ["one", "two"], (given, named))
+    assert named == {"levers": ()}
     machine, topics, drops, offsets, known, (wanted, plugins) = given
     assert (machine, topics, drops, offsets) == ("m545", ["imu=/imu"], ["a drop"], ["an offset"])
     assert known == "what rig.yaml says"

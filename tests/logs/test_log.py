@@ -216,6 +216,24 @@ def test_a_sensor_without_extrinsics_is_refused_with_its_frame(ros2, car, write_
         Log(path, Topics()).rig(None)
 
 
+def test_the_places_of_sensors_take_the_part_of_static_transforms(ros2, car, write_mcap, tmp_path):
+    messages = [m for m in car(ros2, 0.5) if m[1] != "/tf_static"]
+    log = Log(write_mcap(tmp_path / "a.mcap", ros2, messages), Topics())
+    frames = {frame: kind for frame, kind in log._frames().items() if kind != "imu"}
+    with pytest.raises(DataError, match=f"--lever {next(iter(frames))}:0,0,0"):
+        log.rig(None)
+    at = {frame: np.array([0.5 + i, 0.0, 1.2]) for i, frame in enumerate(frames)}
+    rig = log.rig(None, at)
+    for frame, xyz_m in at.items():
+        assert rig.sensors[frame].xyz_m == tuple(xyz_m)
+    (imu,) = rig.sensors_of("imu")
+    assert (imu.xyz_m, imu.rpy_rad) == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    with pytest.raises(DataError, match="the log has no sensor of the frame 'gsp'"):
+        log.rig(None, at | {"gsp": np.zeros(3)})
+    with pytest.raises(DataError, match="the log has no sensor of the frame 'imu'"):
+        log.rig(None, at | {imu.name: np.zeros(3)})
+
+
 def test_a_missing_log_is_refused():
     with pytest.raises(DataError, match="no such log"):
         Log(Path("nowhere.mcap"), Topics())

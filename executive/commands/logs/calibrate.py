@@ -8,6 +8,7 @@ import typer
 from executive.commands.console import answer, check_output, say
 from executive.commands.logs.options import (
     ODOMETRY,
+    LeverOption,
     LogArgument,
     MachineOption,
     TopicOption,
@@ -28,6 +29,7 @@ def calibrate(
         typer.Option(help=f"Plugin that measures motion by lidar scans; {ODOMETRY} by default."),
     ] = None,
     as_json: JsonOption = False,
+    lever: LeverOption = None,
 ) -> None:
     """Find clocks, mounting and noise of sensors.
 
@@ -52,7 +54,7 @@ def calibrate(
 
     check_output("--out", out, ".yaml", ".yml")
     plugins = log_choices(settings(None, odometry=odometry), odometry=ODOMETRY)
-    options = EstimateOptions(machine, topic or (), plugins=plugins)
+    options = EstimateOptions(machine, topic or (), plugins=plugins, levers=lever or ())
     material = Material.read(log, options)
     quantities = calibrated(material, _CALIBRATOR)
     for line in lines(quantities):

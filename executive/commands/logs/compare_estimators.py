@@ -13,6 +13,7 @@ from executive.commands.logs.options import (
     ODOMETRY,
     CalibrationOption,
     DropOption,
+    LeverOption,
     MachineOption,
     OdometryOption,
     OffsetOption,
@@ -43,6 +44,7 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     seed: SeedOption = 1,
     set_: SetOption = None,
     as_json: JsonOption = False,
+    lever: LeverOption = None,
 ) -> None:
     """Compare estimators on a log or a mission.
 
@@ -65,7 +67,9 @@ def compare_estimators(  # noqa: PLR0913 - the options of the command line, each
     wanted = settings(None if is_run else set_, odometry=odometry)
     plugins = log_choices(wanted, odometry=ODOMETRY, estimation=list(names))
     known = None if calibration is None else read_calibration(calibration)
-    options = EstimateOptions(machine, topic or (), drop or (), offset or (), known, plugins)
+    options = EstimateOptions(
+        machine, topic or (), drop or (), offset or (), known, plugins, levers=lever or ()
+    )
     if is_run:
         with TemporaryDirectory() as folder:
             recorded = record_mission(str(material), set_ or (), seed, Path(folder))

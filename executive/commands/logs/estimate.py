@@ -10,6 +10,7 @@ from executive.commands.logs.options import (
     ODOMETRY,
     CalibrationOption,
     DropOption,
+    LeverOption,
     LogArgument,
     MachineOption,
     OdometryOption,
@@ -64,6 +65,7 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
         ),
     ] = None,
     as_json: JsonOption = False,
+    lever: LeverOption = None,
 ) -> None:
     """Run an estimator over a recorded log.
 
@@ -97,7 +99,14 @@ def estimate(  # noqa: PLR0913 - the options of the command line, each a paramet
     plugins = log_choices(wanted, odometry=ODOMETRY)
     known = None if calibration is None else read_calibration(calibration)
     options = EstimateOptions(
-        machine, topic or (), drop or (), offset or (), known, plugins, is_realtime=realtime
+        machine,
+        topic or (),
+        drop or (),
+        offset or (),
+        known,
+        plugins,
+        is_realtime=realtime,
+        levers=lever or (),
     )
     name = plugins.name("estimation")
     material = Material.read(log, options)

@@ -39,6 +39,15 @@ OdometryOption = Annotated[
 MachineOption = Annotated[
     str | None, typer.Option(help="Description of the machine; the log's own by default.")
 ]
+LeverOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--lever",
+        metavar="FRAME:X,Y,Z",
+        help="Where a sensor is from the inertial one, in its axes, of a log without tf_static "
+        "[m]: gps:0,0,1.2.",
+    ),
+]
 CalibrationOption = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="What `executive calibrate` has written of the sensors."),
