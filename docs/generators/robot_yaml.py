@@ -34,8 +34,8 @@ or a value out of bounds is refused, with its place. `provenance` says of each b
 figures come from: `measured`, `paper` or `guess`. Most efforts, accelerations and masses of the
 shipped machines are guesses.
 
-Not described: hydraulics, tipping, a load chart by radius, and single wheels. Every
-machine has one chain of joints from the base to a gripper with two mirrored jaws.
+Not described: a load chart (the lift capacity is computed from masses and points of support),
+and single wheels. Every machine has one chain of joints from the base to a gripper with two mirrored jaws.
 """
 SENSORS = """\
 ## sensors
