@@ -35,7 +35,8 @@ figures come from: `measured`, `paper` or `guess`. Most efforts, accelerations a
 shipped machines are guesses.
 
 Not described: a load chart (the lift capacity is computed from masses and points of support),
-and single wheels. Every machine has one chain of joints from the base to a gripper with two mirrored jaws.
+and single wheels. Every machine has one chain of joints from the base to a gripper with two
+mirrored jaws.
 """
 SENSORS = """\
 ## sensors

@@ -5,6 +5,7 @@ from collections.abc import Generator
 from pydantic import Field
 
 from executive.config import Settings
+from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
@@ -14,6 +15,7 @@ from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed
 from executive.leaf.rest import come_to_rest
 from executive.leaf.rest_of_path import rest_of
+from executive.leaf.surroundings import held_stone
 from executive.messages.command import SwitchLidars
 from executive.messages.trajectory import JointTrajectory
 
@@ -28,10 +30,10 @@ class ExecuteTrajectory(Action[ExecuteTrajectorySettings]):
     """Follow a trajectory to its end; when cancelled, the machine stops along the path.
 
     With `scan` the map is filled meanwhile, so that a look needs no motion of its own. An arm that
-    carries nothing stops, and the leaf fails, once it presses on something or lifts something.
+    holds no stone stops, and the leaf fails, once it presses on something or lifts something.
     """
 
-    needs = (Robot,)
+    needs = (Robot, ObjectDatabase)
     claims = (Part.ARM, Part.CABIN, Part.LIDARS)
     on_resume = OnResume.VERIFY
 
@@ -56,7 +58,9 @@ class ExecuteTrajectory(Action[ExecuteTrajectorySettings]):
         return (yield from self._follow(rest))
 
     def _follow(self, trajectory: JointTrajectory) -> Generator[None, None, Outcome[None]]:
-        moving = FreeMotion(self.context).watched(follow(self.context, trajectory))
+        moving = follow(self.context, trajectory)
+        if held_stone(self.context) is None:
+            moving = FreeMotion(self.context).watched(moving)
         if not self.settings.scan:
             return (yield from moving)
         robot = self.context.use(Robot)

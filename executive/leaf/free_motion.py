@@ -13,7 +13,7 @@ _OF_BEGIN = 1.1  # an arm that already presses at first may go on, as long as it
 
 
 class FreeMotion:
-    """Watches the force on the tool of an arm that carries nothing.
+    """Watches the force on the tool of an arm that holds no stone.
 
     A stone that lies otherwise than its model says is met at the speed of the approach, and may
     hang on an open jaw on the way up. By the efforts of the arm such a force is too much once it
@@ -57,7 +57,7 @@ class FreeMotion:
     def _trouble(self) -> str:
         """Return what is wrong at this tick; empty if nothing is."""
         hangs_kg = self._context.payload_kg()
-        if self._moment is None or hangs_kg is None or self._context.is_carried():
+        if self._moment is None or hangs_kg is None:
             return ""
         q, force_n = self._context.arm(), np.array([0.0, 0.0, -GRAVITY_M_S2 * hangs_kg])
         used = self._moment.tipping_nm(q, force_n) / self._moment.holding_nm(q, 0.0)

@@ -60,6 +60,16 @@ def turn_by(context, angle, duration=2.0):
     )
 
 
+class Held:
+    """An object database in which some stones are held."""
+
+    def __init__(self, *states):
+        self.states = states
+
+    def stones(self):
+        return tuple(SimpleNamespace(id=i, state=state) for i, state in enumerate(self.states))
+
+
 def moving(context, trajectory, reaches=1.0):
     """Let the arm go a share of the way, linearly in time."""
     first, last = trajectory.position[0], trajectory.position[-1]
@@ -67,7 +77,7 @@ def moving(context, trajectory, reaches=1.0):
 
 
 def test_ends_when_the_arm_has_arrived(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory)
     leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
@@ -83,7 +93,7 @@ def test_ends_when_the_arm_has_arrived(fakes):
 )
 def test_a_stop_is_slower_with_a_load_on_supports_that_yield(fakes, yields, payload_kg, is_slow):
     """Where nothing hangs, or the chassis is fixed to the ground, only the joints limit it."""
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     machine = context.machine()
     stance = machine.stance.model_copy(update={"support_n_m": 2e6 if yields else None})
     context.machine = lambda: machine.model_copy(update={"stance": stance})
@@ -102,7 +112,7 @@ def test_an_arm_whose_load_has_met_the_ground_stops_no_slower_than_unloaded(
     fakes, standing, is_told
 ):
     """It presses on what it has set down for as long as a load in the air would ask for."""
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     machine = context.machine()
     stance = machine.stance.model_copy(update={"support_n_m": 2e6})
     context.machine = lambda: machine.model_copy(update={"stance": stance})
@@ -121,7 +131,7 @@ def test_an_arm_whose_load_has_met_the_ground_stops_no_slower_than_unloaded(
 
 
 def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory, reaches=0.7)
     leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
@@ -131,8 +141,26 @@ def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
     assert context.plugins["robot"].stops == 1
 
 
+@pytest.mark.parametrize(
+    ("state", "stops"), [(StoneState.ON_GROUND, True), (StoneState.HELD, False)]
+)
+def test_an_arm_that_holds_no_stone_stops_for_what_it_meets(fakes, state, stops):
+    """What hangs of a held stone, and what it presses on when it is set down, is others' concern."""
+    context = fakes.Context(robot=Robot(), objects=Held(state))
+    trajectory = turn_by(context, 0.5)
+    moving(context, trajectory)
+    hung = iter([0.0] * 10)
+    context.payload_kg = lambda: next(hung, 4000.0)
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    outcome = fakes.finish(leaf, trajectory=trajectory)
+    assert outcome.success is not stops
+    assert context.plugins["robot"].stops == int(stops)
+    if stops:
+        assert outcome.reason.startswith("something hangs on the jaws")
+
+
 def test_a_motion_with_a_scan_has_the_lidars_on_until_its_end(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory)
     leaf = ExecuteTrajectory(ExecuteTrajectorySettings(scan=True), context)
@@ -143,7 +171,7 @@ def test_a_motion_with_a_scan_has_the_lidars_on_until_its_end(fakes):
 
 
 def test_a_motion_with_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     leaf = ExecuteTrajectory(ExecuteTrajectorySettings(scan=True), context)
     steps = leaf.run(trajectory=turn_by(context, 0.5))
     next(steps)
@@ -153,7 +181,7 @@ def test_a_motion_with_a_scan_that_is_given_up_leaves_the_lidars_off(fakes):
 
 
 def test_a_motion_that_was_cut_off_goes_on_from_where_the_arm_is(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     trajectory = turn_by(context, 0.5)
     half = trajectory.at(trajectory.duration_s / 2)[0]
     context.positions = lambda t: half
@@ -183,7 +211,7 @@ def test_a_motion_that_was_cut_off_goes_on_from_where_the_arm_is(fakes):
 
 
 def test_given_up_it_stops_the_machine(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     trajectory = turn_by(context, 0.5)
     steps = ExecuteTrajectory(ExecuteTrajectorySettings(), context).run(trajectory=trajectory)
     next(steps)
@@ -193,7 +221,7 @@ def test_given_up_it_stops_the_machine(fakes):
 
 
 def test_an_arm_that_was_pushed_since_the_plan_does_not_move(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     trajectory = turn_by(context, 0.5)
     pushed = trajectory.position[0] + [0.06, *[0] * (trajectory.position.shape[1] - 1)]
     context.positions = lambda t: pushed
@@ -247,13 +275,13 @@ def test_no_swing_is_a_failure_with_its_reason(fakes):
 
 
 def test_jaws_that_do_not_open_are_a_failure(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     context.jaw = lambda t: 0.4
     assert not fakes.finish(OpenGripper(OpenGripperSettings(), context)).success
 
 
 def test_jaws_that_open_are_a_success(fakes):
-    context = fakes.Context(robot=Robot())
+    context = fakes.Context(robot=Robot(), objects=Held())
     full = context.machine().gripper.open_rad
     context.jaw = lambda t: min(0.3 + 0.4 * t, full)
     assert fakes.finish(OpenGripper(OpenGripperSettings(), context)).success

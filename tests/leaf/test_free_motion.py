@@ -29,14 +29,12 @@ def force_of(share: float, upwards: bool) -> float:
 def moved(
     hangs_kg: Callable[[float], float | None],
     machine: Machine = M545,
-    is_carried: bool = False,
 ) -> tuple[Outcome[None], float, bool]:
     """Return how a motion ended, when, and whether the arm was stopped."""
     context: Any = SimpleNamespace(
         time_s=0.0,
         machine=lambda: machine,
         arm=lambda: CARRY,
-        is_carried=lambda: is_carried,
         payload_kg=lambda: hangs_kg(context.time_s),
     )
     stopped = []
@@ -93,10 +91,6 @@ def test_an_arm_that_presses_at_first_may_leave_but_not_press_more() -> None:
     outcome, ended_s, _ = moved(lambda time_s: pressed * (1.0 + 0.2 * time_s))
     assert not outcome.success
     assert 0.4 < ended_s < 0.8  # at 1.1 of what it was
-
-
-def test_what_is_carried_is_watched_by_others() -> None:
-    assert moved(lambda time_s: 2500.0, is_carried=True)[0].success
 
 
 def test_without_supports_or_a_monitor_nothing_is_too_much() -> None:
