@@ -145,7 +145,7 @@ def test_an_arm_that_is_stuck_is_noticed_and_stopped(fakes):
     ("state", "stops"), [(StoneState.ON_GROUND, True), (StoneState.HELD, False)]
 )
 def test_an_arm_that_holds_no_stone_stops_for_what_it_meets(fakes, state, stops):
-    """What hangs of a held stone, and what it presses on when it is set down, is others' concern."""
+    """A held stone hangs, and presses as it is set down: others watch that."""
     context = fakes.Context(robot=Robot(), objects=Held(state))
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory)
