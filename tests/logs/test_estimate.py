@@ -292,7 +292,7 @@ def test_a_reference_of_another_day_and_an_unknown_export_end_with_one_sentence(
         command(car_log, out=tmp_path / "way.tum", score=reference, align="yawn")
 
 
-def test_a_log_without_rtk_has_a_trajectory_and_no_errors_against_fixes(
+def test_a_log_without_rtk_has_a_trajectory_and_errors_against_its_plain_fixes(
     car, ros2, write_mcap, tmp_path, caplog
 ):
     def degraded():
@@ -304,8 +304,11 @@ def test_a_log_without_rtk_has_a_trajectory_and_no_errors_against_fixes(
     log = write_mcap(tmp_path / "float.mcap", ros2, degraded())
     material = Material.read(log, EstimateOptions())
     estimated = estimate(material, NAME, EstimateOptions())
-    assert estimated.report["posterior_m"] == {"n": 0}
+    fixed = estimate(Material.read(write_mcap(tmp_path / "fixed.mcap", ros2, car(ros2, 10.0)),
+        EstimateOptions()), NAME, EstimateOptions())  # fmt: skip
+    assert estimated.report["posterior_m"]["n"] == fixed.report["posterior_m"]["n"] > 10
     assert "the map's origin is the first fix" in caplog.text
+    assert "errors are against fixes that themselves err by" in caplog.text
     write_files(tmp_path / "way.tum", material, estimated)
     nothing = write_mcap(tmp_path / "none.mcap", ros2, _without_fixes(car(ros2, 1.0)))
     with pytest.raises(DataError, match="no fix in the whole log"):
