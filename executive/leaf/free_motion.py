@@ -5,7 +5,8 @@ from collections.abc import Generator
 import numpy as np
 
 from executive.leaf.context import Context
-from executive.leaf.outcome import Outcome, failed
+from executive.leaf.outcome import Outcome
+from executive.leaf.watched import guarded
 from executive.machine.gravity import GRAVITY_M_S2
 
 _TICKS = 2  # in a row, so that one sample that errs stops nothing
@@ -42,17 +43,7 @@ class FreeMotion:
         Args:
             moving: The motion; it stops the arm when it is closed.
         """
-        try:
-            while True:
-                next(moving)
-                if told := self._trouble():
-                    return failed(told)
-                yield None
-        except StopIteration as ended:
-            outcome: Outcome[None] = ended.value
-            return outcome
-        finally:
-            moving.close()
+        return (yield from guarded(moving, self._trouble))
 
     def _trouble(self) -> str:
         """Return what is wrong at this tick; empty if nothing is."""

@@ -6,7 +6,8 @@ from collections.abc import Generator
 import numpy as np
 
 from executive.leaf.context import Context
-from executive.leaf.outcome import Outcome, failed
+from executive.leaf.outcome import Outcome
+from executive.leaf.watched import guarded
 
 # Share of the load that tips the machine at rest: 1.1 of the rated 75 % (ISO 10567), to which lifts
 # are planned; EN 13000 asks that a limiter stops a crane between 1 and 1.1 of the rated capacity.
@@ -48,18 +49,11 @@ class LoadMoment:
             moving: The motion; it stops the arm when it is closed.
         """
         self._told.clear()
-        try:
-            while True:
-                next(moving)
-                self.refusal = self._refusal()
-                if self.refusal:
-                    return failed(self.refusal)
-                yield None
-        except StopIteration as ended:
-            outcome: Outcome[None] = ended.value
-            return outcome
-        finally:
-            moving.close()
+        return (yield from guarded(moving, self._look))
+
+    def _look(self) -> str:
+        self.refusal = self._refusal()
+        return self.refusal
 
     def _refusal(self) -> str:
         now_s, mass_kg = self._context.now_s(), self._context.payload_kg()

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Generator
 
-from executive.leaf.outcome import Outcome, succeeded
+from executive.leaf.outcome import Outcome, failed, succeeded
 
 
 def watched(
@@ -15,15 +15,34 @@ def watched(
         goes_on: Called at each tick after the motion's own step; `False` ends the motion, which
             counts as a success.
     """
+    early = succeeded(reason="ended early")
+    return (yield from _ended(motion, lambda: None if goes_on() else early))
+
+
+def guarded(
+    motion: Generator[None, None, Outcome[None]], trouble: Callable[[], str]
+) -> Generator[None, None, Outcome[None]]:
+    """Go on with a motion tick by tick; end it, and fail, once something is wrong.
+
+    Args:
+        motion: As in `watched`.
+        trouble: Called at each tick after the motion's own step; says what is wrong, or is empty.
+    """
+    return (yield from _ended(motion, lambda: failed(told) if (told := trouble()) else None))
+
+
+def _ended(
+    motion: Generator[None, None, Outcome[None]], end: Callable[[], Outcome[None] | None]
+) -> Generator[None, None, Outcome[None]]:
     try:
         while True:
             try:
                 next(motion)
-            except StopIteration as end:
-                outcome: Outcome[None] = end.value
+            except StopIteration as ended:
+                outcome: Outcome[None] = ended.value
                 return outcome
-            if not goes_on():
-                return succeeded(reason="ended early")
+            if (early := end()) is not None:
+                return early
             yield None
     finally:
         motion.close()

@@ -1,6 +1,6 @@
 """An arm that carries nothing stops once it presses on something, or lifts something."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from executive.leaf.free_motion import FreeMotion
-from executive.leaf.outcome import Outcome, succeeded
+from executive.leaf.outcome import Outcome
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.machine import Machine, load_machine
 from executive.machine.tipping_moment import SHARE, TippingMoment
+from tests.leaf.looked_on import TICK_S, outcome_of
 
 M545 = load_machine("m545")
 CARRY = M545.posture("carry")
-TICK_S, MOTION_S = 0.05, 3.0
+MOTION_S = 3.0
 
 
 def force_of(share: float, upwards: bool) -> float:
@@ -37,24 +38,7 @@ def moved(
         arm=lambda: CARRY,
         payload_kg=lambda: hangs_kg(context.time_s),
     )
-    stopped = []
-
-    def moving() -> Generator[None, None, Outcome[None]]:
-        try:
-            while context.time_s < MOTION_S:
-                yield None
-        except GeneratorExit:
-            stopped.append(context.time_s)
-            raise
-        return succeeded()
-
-    steps = FreeMotion(context).watched(moving())
-    while True:
-        try:
-            next(steps)
-        except StopIteration as ended:
-            return ended.value, context.time_s, bool(stopped)
-        context.time_s += TICK_S
+    return outcome_of(context, MOTION_S, FreeMotion(context).watched)
 
 
 @pytest.mark.parametrize(

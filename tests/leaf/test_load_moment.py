@@ -10,12 +10,13 @@ from executive.leaf.load_moment import LoadMoment
 from executive.leaf.outcome import Outcome, succeeded
 from executive.machine.lift_capacity import LiftCapacity
 from executive.machine.machine import Machine, load_machine
+from tests.leaf.looked_on import TICK_S, outcome_of
 
 M545 = load_machine("m545")
 ON_LEGS = M545.model_copy(update={"stance": M545.stance.model_copy(update={"is_free": True})})
 CARRY = M545.posture("carry")
 TIPPING_KG = LiftCapacity(M545).at(CARRY).tipping_kg
-TICK_S, LIFT_S = 0.05, 3.0
+LIFT_S = 3.0
 
 
 def lifted(
@@ -29,24 +30,7 @@ def lifted(
         now_s=lambda: context.time_s,
         payload_kg=lambda: hangs_kg(context.time_s),
     )
-    stopped = []
-
-    def moving() -> Generator[None, None, Outcome[None]]:
-        try:
-            while context.time_s < LIFT_S:
-                yield None
-        except GeneratorExit:
-            stopped.append(context.time_s)
-            raise
-        return succeeded()
-
-    steps = LoadMoment(context).limited(moving())
-    while True:
-        try:
-            next(steps)
-        except StopIteration as ended:
-            return ended.value, context.time_s, bool(stopped)
-        context.time_s += TICK_S
+    return outcome_of(context, LIFT_S, LoadMoment(context).limited)
 
 
 def test_a_lift_that_is_halted_stops_the_arm() -> None:
