@@ -22,6 +22,7 @@ from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import held_kg, held_surface, surroundings
 from executive.leaf.tool_way import slow_at_the_end, tool_way
 from executive.leaf.turned import lower_by_m
+from executive.messages.cloud import Cloud
 from executive.messages.hold import Hold
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.stone import StoneState
@@ -29,6 +30,7 @@ from executive.messages.trajectory import JointTrajectory
 
 _CLEARANCE_M = 0.05  # left between the stone and the ground: the model is a few centimetres off
 _LEAST_WAY_M = 0.05
+_GROUND_M = 0.15  # what is lower above the ground may be ground: three deviations of it and the map
 # Beside other stones: a stone that stands on an edge falls over by some of its own thickness.
 _ROOM_M = 0.3
 _TOUCHING_M = 0.05  # as near to one another do the points of a model lie
@@ -76,13 +78,14 @@ class PlanSetDown(Action[PlanSetDownSettings]):
         cloud = yield from surroundings(self.context, hold.stone_id)
         surface = held_surface(self.context, hold)
         now = self.context.gripper()
-        if gap_below(transform(now, surface), cloud.points) - _CLEARANCE_M < _LEAST_WAY_M:
+        unseen_m = self._unseen_m(hold, surface, cloud) + _CLEARANCE_M
+        if gap_below(transform(now, surface), cloud.points) - unseen_m < _LEAST_WAY_M:
             return failed("the stone is at the ground already")
         reason = ""
         for aside_m in self._places(hold.stone_id, transform(now, surface)):
             goal = now.copy()
             goal[:2, 3] += aside_m
-            way_m = gap_below(transform(goal, surface), cloud.points) - _CLEARANCE_M
+            way_m = gap_below(transform(goal, surface), cloud.points) - unseen_m
             if way_m < _LEAST_WAY_M:
                 continue
             goal[2, 3] -= way_m
@@ -106,6 +109,15 @@ class PlanSetDown(Action[PlanSetDownSettings]):
                 return succeeded(PathPlanned(way), _told(way_m, aside_m))
             reason = reason or plan.reason
         return failed(f"no path down: {reason}")
+
+    def _unseen_m(self, hold: Hold, surface: Float, cloud: Cloud) -> float:
+        """Return how far the stone reaches below what was seen of it [m], as it stood at the grasp.
+
+        It is as much as may be taken for ground at most: a stone that stood on something else,
+        which the map does not show, reaches no lower for that.
+        """
+        gap_m = gap_below(transform(hold.T_map_gripper, surface), cloud.points)
+        return float(np.clip(gap_m, 0.0, _GROUND_M))
 
     def _too_heavy(self, plan: MotionPlan, hold: Hold) -> str:
         """Return why the stone may not be carried aside; straight down it is nowhere heavier."""

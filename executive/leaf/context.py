@@ -113,8 +113,16 @@ class Context(ABC):
     def begin_hold(self) -> None:
         """Tell the monitors that the jaws hold a stone; earlier verdicts are dropped."""
 
-    def begin_carry(self) -> None:
-        """Tell the monitors that the held stone was weighed, and hangs free."""
+    def begin_carry(self, weight: Weight | None = None) -> None:
+        """Tell the monitors that the held stone hangs free.
+
+        Args:
+            weight: What it weighed as that was found out; `trial_weight` returns it.
+        """
+        return None
+
+    def trial_weight(self) -> Weight | None:
+        """Return what the stone of this or the last hold weighed as it was found to hang free."""
         return None
 
     def carry_over(self, below: GroundBelow) -> None:

@@ -65,6 +65,9 @@ def held_stone(context: Context) -> int | None:
 
 
 def held_kg(context: Context) -> float | None:
-    """Return the most that the held stone weighs by 95 % [kg]; None while nobody has weighed it."""
-    weight = context.weight()
+    """Return the most that the held stone weighs by 95 % [kg]; None while nobody has weighed it.
+
+    Until the monitors have weighed it on its way, it weighs what its trial lift told.
+    """
+    weight = context.weight() or context.trial_weight()
     return None if weight is None else weight.mass_kg + 2 * weight.std_kg

@@ -47,8 +47,7 @@ def way_up(
 
 
 def _hanging_kg(context: Context) -> float | None:
-    """Return what hangs in the jaws of a machine on supports that yield [kg]; None elsewhere."""
+    """Return the most that hangs in the jaws [kg]; None unless the machine stands on springs."""
     if context.machine().stance.support_n_m is None or not context.is_carried():
         return None
-    weighed_kg = held_kg(context)
-    return context.payload_kg() if weighed_kg is None else weighed_kg
+    return held_kg(context)

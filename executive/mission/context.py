@@ -1,7 +1,7 @@
 """One leaf's view of a running mission."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -53,6 +53,7 @@ class Services:
     show: Callable[[str, object], None]
     regions: Mapping[str, Region]
     verdicts: list[Verdict]
+    trial_weights: list[Weight] = field(default_factory=list)  # of this or the last hold
 
     def arm(self) -> Float:
         """Return the newest positions of the arm's joints, in the machine's order, shape (n,)."""
@@ -132,10 +133,13 @@ class NodeContext(Context):
 
     def begin_hold(self) -> None:
         self._services.verdicts.clear()
+        self._services.trial_weights.clear()
         for monitor in self._monitors():
             monitor.begin_hold()
 
-    def begin_carry(self) -> None:
+    def begin_carry(self, weight: Weight | None = None) -> None:
+        if weight is not None:
+            self._services.trial_weights.append(weight)
         for monitor in self._monitors():
             monitor.begin_carry()
 
@@ -156,6 +160,9 @@ class NodeContext(Context):
     def weight(self) -> Weight | None:
         found = (monitor.weight() for monitor in self._monitors())
         return next((one for one in found if one is not None), None)
+
+    def trial_weight(self) -> Weight | None:
+        return next(reversed(self._services.trial_weights), None)
 
     def is_carried(self) -> bool:
         return any(monitor.is_carried() for monitor in self._monitors())

@@ -68,7 +68,7 @@ class FakeContext(Context):
         self.holds = []
         self.below = []  # what monitors were told is below a held stone
         self.troubles = []
-        self.weighed, self.carried = None, False
+        self.weighed, self.carried, self.trial = None, False, None
         self.payload = None
         self.on_ground = None
         self.given_up = frozenset()
@@ -131,8 +131,12 @@ class FakeContext(Context):
     def begin_hold(self):
         self.holds.append("begin")
 
-    def begin_carry(self):
+    def begin_carry(self, weight=None):
         self.holds.append("carry")
+        self.trial = weight
+
+    def trial_weight(self):
+        return self.trial
 
     def carry_over(self, below):
         self.below.append(below)

@@ -7,6 +7,7 @@ import pytest
 from executive.errors import ConfigError
 from executive.events.mission import PauseEnded
 from executive.journal import Journal
+from executive.messages.weight import Weight
 from executive.mission.context import NodeContext
 
 
@@ -45,6 +46,7 @@ def context(*monitors, **services):
         "streams": SimpleNamespace(monitors=monitors),
         "joints": lambda: "joints",
         "verdicts": [],
+        "trial_weights": [],
         "regions": {},
     }
     return NodeContext(SimpleNamespace(**given | services), "main/scan", {})
@@ -74,6 +76,17 @@ def test_every_monitor_is_told_of_a_hold_and_earlier_verdicts_are_forgotten():
     asked.end_hold()
     assert [one.holds for one in monitors] == [0, 0]
     assert asked.verdicts() == ("drop",)
+
+
+def test_what_a_trial_lift_weighed_is_known_until_the_next_hold():
+    asked = context(Monitor())
+    asked.begin_hold()
+    assert asked.trial_weight() is None
+    asked.begin_carry(Weight(1200.0, 90.0))
+    asked.end_hold()
+    assert asked.trial_weight() == Weight(1200.0, 90.0)
+    asked.begin_hold()
+    assert asked.trial_weight() is None
 
 
 def test_a_region_is_known_by_its_name_alone():

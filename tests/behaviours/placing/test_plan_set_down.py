@@ -27,6 +27,20 @@ def test_a_slipping_stone_is_set_down_on_the_ground_below(stage, world):
     assert asked["request"].arrive_m == pytest.approx(2.0 - z)
 
 
+@pytest.mark.parametrize(("unseen_m", "counts_m"), [(-0.1, 0.0), (0.1, 0.1), (0.4, 0.15)])
+def test_what_nobody_saw_of_the_underside_stands_on_the_ground_sooner(
+    stage, world, database, unseen_m, counts_m
+):
+    """It stood as it was grasped: what its model lacks down to the ground is a part of it."""
+    motion = plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.found)
+    whole = world.tick(PlanSetDown, hold=world.hold)
+    database.realign(1, pose(t=np.array([0.0, 0.0, unseen_m])), 1.0, "its lower part is not seen")
+    cut = world.tick(PlanSetDown, hold=world.hold)
+    assert (whole.status, cut.status) == ("SUCCESS", "SUCCESS")
+    whole_m, cut_m = (one["request"].T_map_gripper[2, 3] for one in motion.calls("move"))
+    assert whole_m - cut_m == pytest.approx(unseen_m - counts_m)
+
+
 def above_the_other_stone(world):
     """Let the gripper hold stone 1 above stone 2."""
     over = world.leaf_context.gripper()

@@ -81,7 +81,7 @@ def test_a_stone_that_the_closing_jaws_moved_is_corrected_in_the_database(stage,
     ("yields", "hangs", "weight", "asked_kg"),
     [
         (True, True, Weight(1800.0, 50.0), 1900.0),
-        (True, True, None, 1750.0),
+        (True, True, None, 2000.0),  # what the trial lift told, not what sways now
         (True, False, None, None),
         (False, True, Weight(1800.0, 50.0), None),
     ],
@@ -94,7 +94,8 @@ def test_the_raise_is_no_quicker_than_supports_that_yield_bear(
     stance = machine.stance.model_copy(update={"support_n_m": 2e6 if yields else None})
     monkeypatch.setattr(context, "machine", lambda: machine.model_copy(update={"stance": stance}))
     monkeypatch.setattr(context, "weight", lambda: weight)
-    monkeypatch.setattr(context, "payload_kg", lambda: 1750.0)
+    monkeypatch.setattr(context, "trial_weight", lambda: Weight(1760.0, 120.0))
+    monkeypatch.setattr(context, "payload_kg", lambda: 1500.0)
     monkeypatch.setattr(context, "is_carried", lambda: hangs)
     seen_in_jaws(stage, world, np.eye(4))
     rises(world)

@@ -9,6 +9,7 @@ from executive.behaviours.trial_lift import TrialLift
 from executive.events.stone import StoneNotLifted
 from executive.geometry.pose import pose
 from executive.interfaces.motion import MotionPlanner
+from executive.leaf.tool_way import tool_way
 from executive.machine.sway import Sway
 from executive.messages.command import Follow
 from executive.messages.request import MotionPlan
@@ -240,8 +241,21 @@ def test_a_machine_that_sinks_under_the_load_lifts_on_up_to_three_times(stage, w
 
 
 def test_a_load_that_would_tip_the_machine_is_not_lifted(stage, world):
-    """The arm stops on its way, nothing is raised again, and no carry begins."""
+    """The arm stops on its way, nothing is raised again, and no carry begins.
+
+    What hangs is lowered to where it stood before the jaws open: let go, it would swing the
+    machine.
+    """
     planned(stage, world)
+    context, before = world.leaf_context, world.leaf_context.arm()
+
+    def lifting(time_s):
+        """The arm is on its way up, until it is commanded anything but the first motion."""
+        commands = [one["command"] for one in plugins(world)["robot"].calls("command")]
+        follows = [one for one in commands if isinstance(one, Follow)]
+        return before + 0.02 * (len(follows) == 1)
+
+    context.positions = lifting
     machine = world.leaf_context.machine()
     on_legs = machine.stance.model_copy(update={"is_free": True})
     world.leaf_context.machine = lambda: machine.model_copy(update={"stance": on_legs})
@@ -250,15 +264,48 @@ def test_a_load_that_would_tip_the_machine_is_not_lifted(stage, world):
     assert (ended.status, "tip the machine here" in ended.reason) == ("FAILURE", True)
     assert len(plugins(world)["motion"].calls("move")) == 1
     assert len(plugins(world)["robot"].calls("stop")) == 1
+    commands = [one["command"] for one in plugins(world)["robot"].calls("command")]
+    _, back = (one.trajectory for one in commands if isinstance(one, Follow))
+    np.testing.assert_allclose(back.position[0], before + 0.02)
+    np.testing.assert_allclose(back.position[-1], before)
+    speed_m_s = np.diff(tool_way(machine, back)) / np.diff(back.times_s)
+    assert 0.03 < speed_m_s.max() < 0.06
     assert "carry" not in world.leaf_context.holds
     (told,) = (one for one in world.leaf_context.events if isinstance(one, StoneNotLifted))
     assert told.hanging_kg == pytest.approx(9000.0)
     assert 0.0 < told.tipping_kg < 9000.0 / 0.9
 
 
-@pytest.mark.parametrize(("share", "is_taken_on"), [(0.1, False), (1.0, True)])
-def test_a_heavy_load_is_taken_on_before_it_is_lifted(stage, world, database, share, is_taken_on):
-    """A light one is lifted at once, by the way and by what the machine sinks by."""
+def test_a_load_that_would_tip_the_machine_and_cannot_be_lowered_is_told_to_hang(stage, world):
+    planned(stage, world)
+    machine = world.leaf_context.machine()
+    on_legs = machine.stance.model_copy(update={"is_free": True})
+    world.leaf_context.machine = lambda: machine.model_copy(update={"stance": on_legs})
+    world.leaf_context.payload = 9000.0
+    before = world.leaf_context.arm()
+
+    def pushed(time_s):
+        """Where the arm is lifted to, and then farther than the path back begins."""
+        commands = [one["command"] for one in plugins(world)["robot"].calls("command")]
+        return before + 0.05 * sum(isinstance(one, Follow) for one in commands)
+
+    world.leaf_context.positions = pushed
+    ended = world.tick(TrialLift, hold=world.hold)
+    assert ended.status == "FAILURE"
+    assert "tip the machine here; it still hangs: " in ended.reason
+
+
+@pytest.mark.parametrize(
+    ("share", "is_seen_whole", "is_taken_on"),
+    [(0.1, True, False), (1.0, True, True), (0.1, False, True)],
+)
+def test_a_heavy_load_is_taken_on_before_it_is_lifted(
+    stage, world, database, share, is_seen_whole, is_taken_on
+):
+    """A light one is lifted at once, by the way and by what the machine sinks by.
+
+    Nobody knows what a stone weighs that was seen from one side alone.
+    """
     machine = world.leaf_context.machine()
     sideways = machine.posture("carry")
     sideways[machine.arm_names.index(machine.turn_joint)] = np.pi / 2
@@ -268,9 +315,12 @@ def test_a_heavy_load_is_taken_on_before_it_is_lifted(stage, world, database, sh
     machine = machine.model_copy(update={"stance": on_legs})
     world.leaf_context.machine = lambda: machine
     kg, motion = share * 2500.0, plugins(world)["motion"]
-    database.weigh(1, Weight(kg, 20.0), 1.0)
-    world.leaf_context.payload_kg = lambda: kg if motion.calls("move") else 0.0
-    sunk_m = Sway(machine).sink_m(world.leaf_context.arm(), kg)
+    if is_seen_whole:
+        database.weigh(1, Weight(kg, 20.0), 1.0)
+    stone = database.stone(1)
+    assert not stone.seen_from_above
+    world.leaf_context.payload_kg = lambda: stone.mass_kg if motion.calls("move") else 0.0
+    sunk_m = Sway(machine).sink_m(world.leaf_context.arm(), stone.mass_kg)
     assert 0.0 < sunk_m < 0.1
     assert world.tick(TrialLift, hold=world.hold).status == "SUCCESS"
     asked = [one["request"].leave_m for one in plugins(world)["motion"].calls("move")]
