@@ -13,6 +13,7 @@ from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
 from executive.leaf.action import Action, Steps
 from executive.leaf.claims import Part
+from executive.leaf.closed_jaws import CLOSED_RAD, within
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.light_jaws import drive_lightly
 from executive.leaf.memory import OnResume
@@ -27,7 +28,10 @@ class CloseGripperSettings(Settings):
         None, gt=0, description="Force at each tip [N]; by default the gripper's own."
     )
     empty_below: Radians = Field(
-        0.08, ge=0, le=1, description="Jaws that close further hold nothing [rad]."
+        CLOSED_RAD,
+        ge=0,
+        le=1,
+        description="Jaws that close further hold nothing, unless a stone hangs within them [rad].",
     )
     removal_radius: Meters = Field(
         1.0, gt=0, le=3, description="R_obj: least radius that is removed from the map [m]."
@@ -47,6 +51,10 @@ class StoneHeld:
 
 class CloseGripper(Action[CloseGripperSettings]):
     """Close the jaws; if they hold something, inform the database, the map and the monitors.
+
+    Jaws that have closed whole may have met below a small stone, and are raised by 0.15 m to weigh
+    whether it hangs within them. Without a monitor that weighs they hold nothing.
+
 
     Mascaro et al. 2020, Sec. 4.5: the gripper's pose is stored with the stone, and a sphere of
     R_obj = 1 m is removed from the map, see `removal`. If the jaws press on the ground so hard that
@@ -69,11 +77,13 @@ class CloseGripper(Action[CloseGripperSettings]):
         angle_rad = drive.angle_rad
         if not drive.is_whole:  # the stone is to be carried: it is gripped all the same
             angle_rad = yield from drive_jaws(self.context, 0.0, force_n)
-        if angle_rad < self.settings.empty_below:
-            reason = f"the jaws closed to {angle_rad:.2f} rad: nothing is between them"
+        hold = Hold(stone, self.context.gripper(), angle_rad)
+        if angle_rad < self.settings.empty_below and (
+            nothing := (yield from within(self.context, stone))
+        ):
+            reason = f"the jaws closed to {angle_rad:.2f} rad: {nothing}"
             self.context.record(JawsClosedOnNothing(stone, reason))
             return failed(reason)
-        hold = Hold(stone, self.context.gripper(), angle_rad)
         objects = self.context.use(ObjectDatabase)
         held = objects.stone(stone)
         if held.state is not StoneState.HELD:  # as it is when a run is resumed after the grasp

@@ -122,7 +122,7 @@ class Context(ABC):
         return None
 
     def trial_weight(self) -> Weight | None:
-        """Return what the stone of this or the last hold weighed as it was found to hang free."""
+        """Return what the held stone weighed as it was found to hang free; None before that."""
         return None
 
     def carry_over(self, below: GroundBelow) -> None:

@@ -3,16 +3,12 @@
 from collections.abc import Generator
 from dataclasses import dataclass
 
-from executive.interfaces.motion import MotionPlanner
 from executive.leaf.context import Context
-from executive.leaf.follow import follow
 from executive.leaf.jaws import drive_jaws
 from executive.leaf.job import Job
-from executive.leaf.rest import come_to_rest
-from executive.leaf.surroundings import surroundings
+from executive.leaf.raise_gripper import raise_gripper
 from executive.leaf.thrust import Thrust
 from executive.machine.jaw_clearance import tips_sink_m
-from executive.messages.request import MoveRequest
 
 _STEP_M = 0.05  # by which the gripper is raised at once
 
@@ -59,7 +55,7 @@ def drive_lightly(
             return LightDrive(angle_rad, True, raised)
         why = "raised as far as it may be"
         if risen_m < most_m:
-            why = yield from _raise(context, stone)
+            why = yield from raise_gripper(context, stone, _STEP_M)
         if why:
             short = f"the jaws stopped at {angle_rad:.2f} of {position_rad:.2f} rad"
             return LightDrive(angle_rad, False, _told(f"{short} ({why})"))
@@ -68,25 +64,3 @@ def drive_lightly(
 
 def _told(what: str) -> str:
     return f"{what}, because the jaws pressed so hard that they would have lifted the machine"
-
-
-def _raise(context: Context, stone: int) -> Generator[Job[object] | None, object, str]:
-    """Raise the gripper by a step, with the jaws as they are; return why it was not."""
-    T_map_gripper = context.gripper()
-    T_map_gripper[2, 3] += _STEP_M
-    obstacles = yield from surroundings(context, stone)
-    request = MoveRequest(
-        start=context.arm(),
-        T_map_gripper=T_map_gripper,
-        T_map_base=context.state().T_map_base,
-        leave_m=_STEP_M,
-        arrive_m=0.0,
-        obstacles=obstacles,
-        held_gripper=None,
-        jaw_rad=context.joints().of(context.machine().jaw.name)[0],
-    )
-    plan = yield from context.job(context.use(MotionPlanner).move, request)
-    if plan.trajectory is None:
-        return f"no way up: {plan.reason}"
-    raised = yield from follow(context, plan.trajectory)
-    return raised.reason if not raised.success else (yield from come_to_rest(context))

@@ -4,14 +4,13 @@ import numpy as np
 from pydantic import Field
 
 from executive.config import Meters
-from executive.events.stone import StoneSoughtAgain
+from executive.events.stone import StoneLost, StoneSoughtAgain
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.segmentation import Segmenter
 from executive.leaf.action import Steps
 from executive.leaf.context import Context
 from executive.leaf.fitting import registered
 from executive.leaf.form_evidence import FormSettings
-from executive.leaf.lost import mark_lost
 from executive.leaf.outcome import failed, succeeded
 from executive.leaf.surroundings import map_cloud, unexplained
 from executive.messages.cloud import Cloud
@@ -35,7 +34,8 @@ def search(context: Context, stone_id: int, settings: SearchSettings) -> Steps[N
     The stone's whole model is registered first, in any orientation and beside whatever it leans
     on, so that model and rotation are kept. If registration refuses, the map is segmented, and the
     segment that is found there may replace the model. What neither finds is still where it was if
-    the map shows it there.
+    the map shows it there. One that the map does not show there may be as far as it can roll: what
+    lies there, and is no other known stone, is it, and no new one.
 
     Args:
         context: The leaf's view of the mission; it needs mapping, segmentation, registration and
@@ -58,15 +58,19 @@ def search(context: Context, stone_id: int, settings: SearchSettings) -> Steps[N
             objects.set_state(stone_id, StoneState.ON_GROUND, context.now_s())
         context.record(StoneSoughtAgain(stone_id, (stone_id,), "registration", note))
         return succeeded(reason=note)
+    is_shown = yield from context.job(_is_shown, known, around)
+    if not is_shown and known.state is not StoneState.LOST:
+        objects.set_state(stone_id, StoneState.LOST, context.now_s())
     segmentation = yield from context.job(context.use(Segmenter).segment, near)
     others = [one.with_foot() for one in _not_done(segmentation, context, stone_id)]
     seen = yield from context.job(objects.observe, others, context.now_s(), False)
     ids = tuple(one.id for one in seen)
     context.record(StoneSoughtAgain(stone_id, ids, "segmentation", found.reason))
-    if stone_id in ids or (yield from context.job(_is_shown, known, around)):
+    if stone_id in ids or is_shown:
         return succeeded()
     reason = f"stone {stone_id} was not found within {radius_m:.1f} m of its last place"
-    mark_lost(context, stone_id, reason)
+    if known.state is not StoneState.LOST:
+        context.record(StoneLost(stone_id, reason))
     return failed(reason)
 
 

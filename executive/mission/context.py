@@ -53,7 +53,7 @@ class Services:
     show: Callable[[str, object], None]
     regions: Mapping[str, Region]
     verdicts: list[Verdict]
-    trial_weights: list[Weight] = field(default_factory=list)  # of this or the last hold
+    trial_weights: list[Weight] = field(default_factory=list)  # of this hold
 
     def arm(self) -> Float:
         """Return the newest positions of the arm's joints, in the machine's order, shape (n,)."""
@@ -148,6 +148,7 @@ class NodeContext(Context):
             monitor.carry_over(below)
 
     def end_hold(self) -> None:
+        self._services.trial_weights.clear()
         for monitor in self._monitors():
             monitor.end_hold()
 

@@ -15,6 +15,8 @@ from executive.events.mission import WorldObserved
 from executive.geometry.pose import transform
 from executive.interfaces.objects import ObjectDatabase
 from executive.interfaces.robot import Robot
+from executive.leaf.closed_jaws import asked_whole, holds_nothing
+from executive.leaf.weighing import hanging
 from executive.machine.sensor import Sensor
 from executive.messages.command import SwitchLidars
 from executive.messages.lidar import LidarScan
@@ -27,7 +29,7 @@ _LOCALISED_S = 60.0  # a start at rest takes seconds; beyond that the operator h
 _SCANS = 5  # revolutions of each lidar
 _NEAR_M = 0.10  # a return this near to a stone's model is of that stone: as `objects.agreement_m`
 _RETURNS = 5  # of a stone that is seen
-_EMPTY_RAD = 0.08  # jaws that are closed further hold nothing, as IsHolding has it
+_WEIGHED_S = 0.4  # for which it is weighed whether a stone is within closed jaws
 
 
 class Observation:
@@ -50,7 +52,7 @@ class Observation:
         yield from self._localise()
         if "mapping" in plugins and self._lidars():
             yield from self._scan(robot)
-        self._record(self._held())
+        self._record((yield from self._held()))
 
     def _localise(self) -> Generator[None, None, None]:
         ticks = 0
@@ -76,8 +78,11 @@ class Observation:
     def _lidars(self) -> Sequence[Sensor]:
         return tuple(self._services.machine.sensors_of("lidar"))
 
-    def _held(self) -> Stone | None:
-        """Return the stone that the database says is held, after the monitors were told."""
+    def _held(self) -> Generator[None, None, Stone | None]:
+        """Return the stone that the database says is held, after the monitors were told.
+
+        Closed jaws hold it if it hangs within them.
+        """
         if "objects" not in self._services.plugins:
             return None
         stones = self._context.use(ObjectDatabase).stones()
@@ -85,7 +90,13 @@ class Observation:
         if held is None:
             return None
         self._context.begin_hold()
-        if self._jaw_rad() < _EMPTY_RAD:
+        if not holds_nothing(self._context):
+            return held
+        least_kg = asked_whole(self._context, held.id).least_kg
+        weight = yield from hanging(self._context, _WEIGHED_S, least_kg)
+        if weight is not None and weight.mass_kg >= least_kg:
+            self._context.begin_carry(weight)
+        else:
             now_s = self._context.now_s()
             detail = f"the jaws are closed to {self._jaw_rad():.2f} rad after the run was cut off"
             self._services.verdicts.append(Verdict(now_s, _NODE, Trouble.DROP, detail))
@@ -102,7 +113,7 @@ class Observation:
                 status=self._context.state().status,
                 jaw_rad=self._jaw_rad(),
                 held=None if held is None else held.id,
-                is_held=self._jaw_rad() >= _EMPTY_RAD,
+                is_held=not holds_nothing(self._context),
                 payload_kg=None if payload_kg is None else round(payload_kg, 1),
                 seen=seen,
                 unseen=unseen,

@@ -35,12 +35,14 @@ class HoldWindow:
     Attributes:
         signals: The signals for the filter.
         mass_kg: Mass in the jaws [kg].
+        mass_std_kg: Its standard deviation by the noise, and by the motion of the arm [kg].
         opening_m: Distance of the tips [m].
         held_m: Distance of the tips at the start of the hold, or after the lift [m].
     """
 
     signals: Signals
     mass_kg: float
+    mass_std_kg: float
     opening_m: float
     held_m: float
 
@@ -116,14 +118,15 @@ class HoldSignals:
         is_moving = np.abs(velocity) > _SURE * self._velocity_std / root
         acceleration = self._acceleration(velocity)
         q_jaw = np.append(self._q, self._jaw_rad)
+        moving_kg = self._scale.moving_kg(q_jaw, acceleration, is_moving)
+        mass_std_kg = float(np.hypot(self._scale.noise_kg(self._q) / root, moving_kg))
         weight = self._mass.take(
             mass_kg,
-            float(np.hypot(self._scale.noise_kg(self._q) / root,
-                           self._scale.moving_kg(q_jaw, acceleration, is_moving))),
+            mass_std_kg,
             self._scale.shaken_share(self._q, acceleration),
             self._scale.lever_share(self._q),
             self._may_have_stood,
-        )  # fmt: skip
+        )
         self._may_have_stood = self._may_stand(window, weight)
         std_m = self._opening_std_m / root * np.sqrt(2)  # of a difference of two openings
         closed, widened = self._jaws.take(now_s, opening_m, std_m, bool(is_moving.any()))
@@ -137,7 +140,7 @@ class HoldSignals:
             self._jaws.has_settled,
             self.has_slipped,
         )
-        return HoldWindow(signals, mass_kg, opening_m, self._jaws.held_m)
+        return HoldWindow(signals, mass_kg, mass_std_kg, opening_m, self._jaws.held_m)
 
     def _acceleration(self, velocity: Float) -> Float:
         """Return the acceleration of the arm's joints, from two mean velocities."""

@@ -21,6 +21,7 @@ from executive.messages.weight import Weight
 
 _TROUBLE = (GripState.LOST, GripState.OPENING, GripState.SLIPPING, GripState.SLID_DOWN)
 _STANDING = (GripState.TOUCHING_GROUND, GripState.SLID_DOWN)
+_SURE = 2.0  # standard deviations of a mass from which something hangs
 # Times for which trouble must last. A fall begins as a slip or with opening jaws: those wait for
 # what becomes of them, so that one event is reported once.
 _FALL_S, _SLIP_S = 2 * WINDOW_S, 3 * WINDOW_S
@@ -101,9 +102,20 @@ class HoldState(Monitor):
         hold.signals.has_slipped = True  # only a fall may follow
         if trouble is not Trouble.SLIP:
             self._hold = None
-        if trouble not in self.told and window.opening_m >= self._settings.empty:
+        if trouble not in self.told and not self._is_empty(window):
             return None
         return Verdict(sample.stamp_s, self.name, trouble, self._evidence(hold, window, likely))
+
+    def _is_empty(self, window: HoldWindow) -> bool:
+        """Return whether the jaws have closed on nothing.
+
+        Those that were closed as the hold began, or as it was weighed, may hold a stone within
+        them: it hangs there, or nothing does.
+        """
+        if window.opening_m >= self._settings.empty:
+            return False
+        hangs = self._weight is not None or window.mass_kg > _SURE * window.mass_std_kg
+        return window.held_m >= self._settings.empty or not hangs
 
     def _trouble(
         self, hold: _Hold, window: HoldWindow, likely: Mapping[GripState, float]
@@ -111,7 +123,7 @@ class HoldState(Monitor):
         """Return what is reported of this window, if anything."""
         sure = self._settings.probability
         state = max(_TROUBLE, key=lambda one: likely[one])
-        is_empty = window.opening_m < self._settings.empty
+        is_empty = self._is_empty(window)
         # Kinds of trouble that cannot be told apart yet are trouble all the same.
         if sum(likely[one] for one in _TROUBLE) < sure and not is_empty:
             hold.windows = 0
@@ -123,7 +135,7 @@ class HoldState(Monitor):
         return self._kind(state, window) if hold.windows * WINDOW_S >= lasting_s - 1e-9 else None
 
     def _kind(self, state: GripState, window: HoldWindow) -> Trouble:
-        if window.opening_m < self._settings.empty:
+        if self._is_empty(window):
             return Trouble.EMPTY if self._weight is None else Trouble.DROP
         if state is GripState.LOST:
             return Trouble.DROP
@@ -131,7 +143,7 @@ class HoldState(Monitor):
         return Trouble.DROP if state is GripState.OPENING and is_apart else Trouble.SLIP
 
     def _evidence(self, hold: _Hold, window: HoldWindow, likely: Mapping[GripState, float]) -> str:
-        is_empty = window.opening_m < self._settings.empty  # the angle alone tells that
+        is_empty = self._is_empty(window)  # the angle alone tells that
         words = [
             "nothing is between the jaws"
             if is_empty and likely[hold.state] < self._settings.probability

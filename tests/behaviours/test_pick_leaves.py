@@ -45,6 +45,8 @@ def world(stage, database):
     position = np.stack([start, start + 0.1])
     stand.path = JointTrajectory(names, np.array([0.0, 1.0]), position, np.zeros_like(position))
     stand.found = MotionPlan(stand.path, "", NO_PATH)
+    still = replace(stand.path, position=np.stack([start, start]))
+    stand.stay = MotionPlan(still, "", NO_PATH)  # as the arm of this stage does
     return stand
 
 
@@ -185,6 +187,48 @@ def test_jaws_that_close_on_nothing_are_a_failure(world, database):
     assert event.stone == 1
     assert database.stone(1).state is StoneState.ON_GROUND
     assert world.leaf_context.holds == plugins(world)["mapping"].masks == []
+
+
+@pytest.mark.parametrize(
+    ("hangs", "why", "raises"),
+    [
+        (0.5, "nothing is between them: ", 1),
+        (0.9, "", 1),
+        (None, "nothing is between them", 0),
+    ],
+)
+def test_closed_jaws_hold_a_stone_that_hangs_within_them(
+    stage, world, database, hangs, why, raises
+):
+    """They have met below it, and are raised to weigh it; the hold is where they have closed."""
+    context = world.leaf_context
+    context.jaw = lambda t: max(0.0, 0.9 - t)
+    context.payload = None if hangs is None else hangs * database.stone(1).mass_kg
+    motion = plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=world.stay)
+    ended = world.tick(CloseGripper, stone=1)
+    assert len(motion.calls("move")) == raises
+    if raises:
+        asked = motion.calls("move")[0]["request"]
+        assert asked.T_map_gripper[2, 3] == pytest.approx(context.gripper()[2, 3] + 0.15)
+        assert asked.jaw_rad == 0.0
+    if why:
+        assert ended.status == "FAILURE"
+        assert ended.reason.startswith(f"the jaws closed to 0.00 rad: {why}")
+        assert database.stone(1).state is StoneState.ON_GROUND
+        return
+    assert ended.status == "SUCCESS"
+    assert ended.outputs["hold"].jaw_rad == 0.0
+    assert database.stone(1).state is StoneState.HELD
+    assert context.holds == ["begin"]
+
+
+def test_closed_jaws_that_cannot_be_raised_are_told_so(stage, world, database):
+    context = world.leaf_context
+    context.jaw, context.payload = lambda t: max(0.0, 0.9 - t), database.stone(1).mass_kg
+    plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=NO_WAY)
+    ended = world.tick(CloseGripper, stone=1)
+    assert ended.status == "FAILURE"
+    assert "whether a stone is within them is not known: no way up" in ended.reason
 
 
 def test_the_retreat_is_as_high_as_there_is_a_path(stage, world):

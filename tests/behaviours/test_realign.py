@@ -13,6 +13,7 @@ from executive.messages.alignment import Alignment
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment, Segmentation
 from executive.messages.stone import Stone, StoneState
+from executive.messages.weight import Weight
 
 RNG = np.random.default_rng(0)
 T_NEAR, T_FAR = pose(None, np.array([0.1, 0, 0])), pose(None, np.array([1.0, 0.5, 0]))
@@ -49,6 +50,9 @@ class Objects(SqliteObjects):
 
     def realign(self, number, T, stamp_s, note=""):
         self.moves.append((number, T, note))
+        return self.known[number]
+
+    def set_state(self, number, state, stamp_s):
         return self.known[number]
 
     def observe(self, segments, stamp_s, from_above):
@@ -144,6 +148,41 @@ def test_a_dropped_stone_that_is_not_found_is_left_to_the_segmentation(fakes):
     assert len(context.plugins["objects"].seen) == 1
 
 
+@pytest.mark.parametrize(("away_m", "is_found"), [(1.2, True), (2.9, True), (3.5, False)])
+def test_a_stone_that_was_pushed_and_turned_keeps_its_number(
+    fakes, stage, database, away_m, is_found
+):
+    """What lies as far as it may have rolled, and is no other stone, is no new one.
+
+    A stone from which jaws had slid lay 0.7 m away on another side, was taken for a new stone of an
+    unknown weight, and lifted where it tips the machine.
+    """
+    database.weigh(1, Weight(1014.0, 27.0), 1.0)
+    turned = stage.block((5.0, -away_m, 0.4), size=(0.6, 0.8, 1.0))
+    context = fakes.Context(
+        mapping=Mapper(np.vstack([turned, database.stone(2).points_map])),
+        registration=Method(answer(T_FAR, False, "their forms differ")),
+        segmentation=Method(None),
+        objects=database,
+    )
+    context.plugins["segmentation"].segment = lambda cloud: Segmentation(
+        "map",
+        (Segment(0, turned, turned.mean(axis=0), np.ones(3)),),
+        Cloud("map", np.empty((0, 3))),
+        np.array([0, 0, 1.0, 0]),
+    )
+    outcome = fakes.finish(FindAgain(FindAgainSettings(), context), stone=1)
+    assert outcome.success is is_found
+    assert [one.id for one in database.stones()] == ([1, 2] if is_found else [1, 2, 3])
+    stone = database.stone(1)
+    assert stone.state is (StoneState.ON_GROUND if is_found else StoneState.LOST)
+    assert stone.weight == Weight(1014.0, 27.0)
+    if is_found:
+        np.testing.assert_allclose(stone.centroid_map, turned.mean(axis=0), atol=0.02)
+    lost = [kind for kind, _ in context.notes if kind == "stone_lost"]
+    assert lost == ([] if is_found else ["stone_lost"])
+
+
 @pytest.mark.parametrize(
     ("leaf", "told"), [(RelocateAndRealign, "kept the pose"), (FindAgain, "was not found")]
 )
@@ -158,7 +197,6 @@ def test_a_registered_stone_whose_form_is_not_shown_there_is_not_recognised(fake
         "map", (), cloud, np.array([0, 0, 1.0, 0])
     )
     context.plugins["objects"].observe = lambda segments, stamp_s, from_above: ()
-    context.plugins["objects"].set_state = lambda number, state, stamp_s: None
     settings = {RelocateAndRealign: RelocateAndRealignSettings, FindAgain: FindAgainSettings}
     outcome = fakes.finish(leaf(settings[leaf](), context), stone=1)
     assert not outcome.success

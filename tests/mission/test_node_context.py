@@ -78,14 +78,14 @@ def test_every_monitor_is_told_of_a_hold_and_earlier_verdicts_are_forgotten():
     assert asked.verdicts() == ("drop",)
 
 
-def test_what_a_trial_lift_weighed_is_known_until_the_next_hold():
+@pytest.mark.parametrize("end", ["end_hold", "begin_hold"])
+def test_what_a_trial_lift_weighed_is_known_until_the_end_of_the_hold(end):
     asked = context(Monitor())
     asked.begin_hold()
     assert asked.trial_weight() is None
     asked.begin_carry(Weight(1200.0, 90.0))
-    asked.end_hold()
     assert asked.trial_weight() == Weight(1200.0, 90.0)
-    asked.begin_hold()
+    getattr(asked, end)()
     assert asked.trial_weight() is None
 
 

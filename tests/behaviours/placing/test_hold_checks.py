@@ -8,6 +8,7 @@ from executive.behaviours.is_hanging import IsHanging
 from executive.behaviours.is_holding import IsHolding
 from executive.events.stone import ArrivedEarly
 from executive.messages.verdict import Trouble, Verdict
+from executive.messages.weight import Weight
 from tests.behaviours.placing.scene import DROP, SLIP, SLOTS, placement
 
 EMPTY = Verdict(4.0, "jaw_slip", Trouble.EMPTY, "jaws 0.02 m open")
@@ -42,6 +43,14 @@ def test_a_stone_is_held_while_the_jaws_are_apart_and_none_has_fallen(
     assert ended.status == status
     fallen = "the stone was dropped" if jaw_rad > 0.5 else "the jaws are closed to 0.01 rad"
     assert ended.reason == ("" if status == "SUCCESS" else fallen)
+
+
+def test_closed_jaws_hold_what_was_weighed_in_them(world):
+    context = world.leaf_context
+    context.jaw, context.trial = lambda t: 0.0, Weight(500.0, 40.0)
+    assert world.tick(IsHolding).status == "SUCCESS"
+    context.troubles = [DROP]
+    assert world.tick(IsHolding).reason == "the stone was dropped"
 
 
 @pytest.mark.parametrize(

@@ -155,6 +155,17 @@ def test_tells_jaws_that_hold_nothing(watch) -> None:
     assert told.detail.startswith("nothing is between the jaws; ")
 
 
+def test_closed_jaws_with_a_stone_within_them_hold_it_until_it_falls(watch) -> None:
+    """They close on no more when it falls: its weight alone tells."""
+    carry = Carry()
+    carry.jaw[:], carry.weight[:] = 0.0, 1.0  # it was weighed before the hold began
+    assert watch(carry)[0] == []
+    carry.weight *= 1 - carry.after(FAULT_S)
+    fallen = only(watch(carry)[0])
+    assert fallen.trouble is Trouble.DROP
+    assert FAULT_S < fallen.stamp_s < FAULT_S + 0.6
+
+
 def test_jaws_that_close_where_a_stone_fell_out_have_lost_it(watch) -> None:
     """The angle alone says that nothing is held; what became of the stone is as sure, and told."""
     carry = Carry()
