@@ -132,7 +132,7 @@ class TrialLift(Action[TrialLiftSettings]):
         """Lower a stone that is too heavy to where it stood; the lift has failed all the same."""
         told = yield from come_to_rest(self.context)
         if not told:
-            lowered = yield from way_back(self.context, before)
+            lowered = yield from way_back(self.context, before[None])
             told = "" if lowered.success else lowered.reason
         return failed(f"{lifted.reason}; it still hangs: {told}") if told else lifted
 

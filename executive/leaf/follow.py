@@ -6,7 +6,7 @@ import numpy as np
 
 from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
-from executive.leaf.loaded_stop import least_stop_s, unloaded_stop_s
+from executive.leaf.loaded_stop import least_stop_s, stop_now_s
 from executive.leaf.outcome import Outcome, failed, succeeded
 from executive.messages.command import START_TOLERANCE, Follow, LimitStop
 from executive.messages.trajectory import JointTrajectory
@@ -47,7 +47,7 @@ def follow(
     finally:
         if not is_over:
             if stop_s > 0.0 and (context.standing() or 0.0) >= _STANDS:
-                robot.command(LimitStop(min(unloaded_stop_s(context), stop_s)))
+                robot.command(LimitStop(min(stop_now_s(context, 0.0), stop_s)))
             robot.stop()
     return outcome
 

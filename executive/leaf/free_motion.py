@@ -4,10 +4,13 @@ from collections.abc import Generator
 
 import numpy as np
 
+from executive.interfaces.robot import Robot
 from executive.leaf.context import Context
+from executive.leaf.loaded_stop import stop_now_s
 from executive.leaf.outcome import Outcome
 from executive.leaf.watched import guarded
 from executive.machine.gravity import GRAVITY_M_S2
+from executive.messages.command import LimitStop
 
 _TICKS = 2  # in a row, so that one sample that errs stops nothing
 _OF_BEGIN = 1.1  # an arm that already presses at first may go on, as long as it presses no more
@@ -23,7 +26,10 @@ class FreeMotion:
     the force, it never is.
 
     Args:
-        context: The leaf's view of the mission.
+        context: The leaf's view of the mission; it needs robot.
+
+    Attributes:
+        lifts: Whether the motion was ended because something hangs on the jaws.
     """
 
     def __init__(self, context: Context) -> None:
@@ -33,7 +39,7 @@ class FreeMotion:
         has_supports = bool(context.machine().stance.supports_m)
         self._moment = TippingMoment(context.machine()) if has_supports else None
         self._begun: float | None = None
-        self._over = 0
+        self._over, self.lifts = 0, False
 
     def watched(
         self, moving: Generator[None, None, Outcome[None]]
@@ -58,6 +64,9 @@ class FreeMotion:
         self._over = self._over + 1 if share > max(self._most, _OF_BEGIN * self._begun) else 0
         if self._over < _TICKS:
             return ""
-        what = "something hangs on the jaws" if hangs_kg > 0.0 else "the arm presses on something"
+        self.lifts = hangs_kg > 0.0
+        if self.lifts:  # the arm was to stop as quickly as without a load
+            self._context.use(Robot).command(LimitStop(stop_now_s(self._context, hangs_kg)))
+        what = "something hangs on the jaws" if self.lifts else "the arm presses on something"
         weight = f"{abs(hangs_kg):.0f} kg by the efforts of its joints, {share:.2f} of what"
         return f"{what}, {weight} holds the machine, where the way should be free"

@@ -35,10 +35,17 @@ def least_stop_s(context: Context, trajectory: JointTrajectory, load_kg: float) 
     return LoadedStop(machine).least_s(positions, velocities, load_kg)
 
 
-def unloaded_stop_s(context: Context) -> float:
-    """Return the least time in which a stop may take the arm's present speed away, unloaded [s]."""
+def stop_now_s(context: Context, load_kg: float) -> float:
+    """Return the least time in which a stop may take the arm's present speed away [s].
+
+    Args:
+        context: The leaf's view of the mission.
+        load_kg: What hangs in the jaws now [kg].
+    """
+    machine, sample = context.machine(), context.joints()
+    if machine.stance.support_n_m is None:
+        return 0.0
     from executive.machine.loaded_stop import LoadedStop  # imports kinematics
 
-    machine, sample = context.machine(), context.joints()
     q, dq = np.array([sample.of(name)[:2] for name in machine.arm_names]).T
-    return LoadedStop(machine).least_s(q[None], dq[None], 0.0)
+    return LoadedStop(machine).least_s(q[None], dq[None], load_kg)

@@ -1,4 +1,4 @@
-"""Lower what was lifted too far back to where it stood: the step after a lift that was stopped."""
+"""Lower what was lifted back to where it stood: the step after a lift that was stopped."""
 
 from collections.abc import Generator
 
@@ -14,23 +14,26 @@ from executive.leaf.watched import watched
 from executive.messages.trajectory import JointTrajectory
 
 _SPEED_M_S, _RAMP_S = 0.05, 0.4  # as slowly as `LowerUntilDown` seeks the ground
+_JOINTS = 0.1  # share of the joints' speeds: one may turn while the tool hardly moves
 
 
-def way_back(context: Context, postured: Float) -> Generator[None, None, Outcome[None]]:
+def way_back(context: Context, postures: Float) -> Generator[None, None, Outcome[None]]:
     """Lower what hangs in the jaws until the ground carries it, at most to where the arm was.
 
-    The joints go back along a straight line: over the height of a trial lift it is one of the tool,
-    too, and on supports that yield it ends with as much on them as before the lift, where a way
-    in the map would end too high by what they have risen. The line is the same as the way up, so it
+    On supports that yield a way of the joints ends with as much on them as before the lift, where
+    one in the map would end too high by what they have risen. It is the way that the arm came, and
     is not checked for obstacles.
 
     Args:
         context: The leaf's view of the mission, with the arm at rest.
-        postured: Positions of the arm's joints before the lift [rad] or [m], shape (n,).
+        postures: Positions of the arm's joints on the way back [rad] or [m], the last one where it
+            was before, shape (m, n).
     """
-    machine, ends = context.machine(), np.stack([context.arm(), postured])
-    names, still = machine.arm_names, np.zeros_like(ends)
-    line = JointTrajectory(names, np.array([0.0, 1.0]), ends, still)
+    machine = context.machine()
+    places = np.vstack([context.arm(), postures])
+    stamps = np.arange(len(places), dtype=np.float64)
+    fastest = np.tile(_JOINTS * machine.max_velocity, (len(places), 1))  # that the line may be
+    line = JointTrajectory(machine.arm_names, stamps, places, fastest)
     slow = steady_line(line, tool_way(machine, line), _SPEED_M_S, _RAMP_S)
 
     def hangs() -> bool:

@@ -26,6 +26,7 @@ _STOOD_S = 3.0
 _CLEAR_M = 0.2
 _PRESSING = -0.2  # share of the weight below which the arm may be pressed on the ground
 _STANDS = 0.5  # share of the weight below which the ground carries it
+_UNKNOWN = Signal(float("nan"), 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +75,7 @@ class HoldSignals:
         self._window, self._newest_s = _Samples(), -np.inf
         self._velocity: Float | None = None  # mean of the window before
         self._mass, self._jaws = CarriedMass(), JawMotion(settings)
+        self._closed_m = settings.empty
         self._force = 0.0  # largest mean so far
         self._sank_s = -np.inf
         self._may_have_stood = False  # in the window before
@@ -149,11 +151,16 @@ class HoldSignals:
         return np.asarray((velocity - before) / WINDOW_S)
 
     def _pressing(self, window: _Samples) -> Signal:
-        """Return the force of the jaws as a share of the largest so far, if it is measured."""
+        """Return the force of the jaws as a share of the largest so far, if it is measured.
+
+        Closed jaws press on each other, whatever lies within them.
+        """
+        if self._jaws.held_m < self._closed_m:
+            return _UNKNOWN
         force, noise = float(np.mean(window.forces)), self._force_std / np.sqrt(len(window.forces))
         self._force = max(self._force, force)
         if self._force <= _SURE * self._force_std:
-            return Signal(float("nan"), 1.0)
+            return _UNKNOWN
         return Signal(force / self._force, float(np.hypot(noise / self._force, _FORCE_STD)))
 
     def _may_stand(self, window: _Samples, weight: Signal) -> bool:

@@ -14,7 +14,7 @@ from executive.behaviours.execute_trajectory import ExecuteTrajectory, ExecuteTr
 from executive.behaviours.open_gripper import OpenGripper, OpenGripperSettings
 from executive.behaviours.scan_swing import ScanSwing, ScanSwingSettings
 from executive.messages.cloud import Cloud
-from executive.messages.command import Follow, MoveJaws, SwitchLidars
+from executive.messages.command import Follow, LimitStop, MoveJaws, SwitchLidars
 from executive.messages.request import MotionPlan
 from executive.messages.stone import Stone, StoneState
 from executive.messages.trajectory import JointTrajectory
@@ -149,14 +149,55 @@ def test_an_arm_that_holds_no_stone_stops_for_what_it_meets(fakes, state, stops)
     context = fakes.Context(robot=Robot(), objects=Held(state))
     trajectory = turn_by(context, 0.5)
     moving(context, trajectory)
-    hung = iter([0.0] * 10)
-    context.payload_kg = lambda: next(hung, 4000.0)
+    pressed = iter([0.0] * 10)
+    context.payload_kg = lambda: next(pressed, -9000.0)
     leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
     outcome = fakes.finish(leaf, trajectory=trajectory)
     assert outcome.success is not stops
     assert context.plugins["robot"].stops == int(stops)
     if stops:
-        assert outcome.reason.startswith("something hangs on the jaws")
+        assert outcome.reason.startswith("the arm presses on something")
+
+
+@pytest.mark.parametrize("yields", [True, False])
+def test_what_an_empty_gripper_lifts_is_lowered_along_the_same_path(fakes, yields):
+    """It stops as slowly as what hangs asks for, and goes back to where it began."""
+    robot = Robot()
+    context = fakes.Context(robot=robot, objects=Held())
+    machine = context.machine()
+    stance = machine.stance.model_copy(update={"support_n_m": 2e6 if yields else None})
+    context.machine = lambda: machine.model_copy(update={"stance": stance})
+    names, start = machine.arm_names, context.arm()
+    boom = names.index("J_BOOM")
+    position = np.tile(start, (5, 1))
+    position[:, boom] += [0.0, -0.01, -0.03, -0.05, -0.06]
+    raised = JointTrajectory(names, np.arange(5) / 4, position, np.zeros_like(position))
+
+    def arm(time_s):
+        """At 0.7 of the way it stops; then it follows its way back."""
+        follows = [one for one in robot.commands if isinstance(one, Follow)]
+        if len(follows) > 1:
+            began_s.append(time_s)
+            return follows[-1].trajectory.at(time_s - began_s[0])[0]
+        return raised.at(min(time_s, 0.7))[0]
+
+    began_s = []
+    context.positions = arm
+    speeds = np.where(np.arange(len(names)) == boom, -0.1, 0.0)
+    context.velocities = lambda time_s: speeds * (time_s < 0.7)
+    context.payload_kg = lambda: 4000.0 if context.time_s >= 0.6 and not began_s else 0.0
+    leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
+    outcome = fakes.finish(leaf, trajectory=raised)
+    assert not outcome.success
+    assert outcome.reason.startswith("something hangs on the jaws")
+    _, limit, back = robot.commands
+    assert isinstance(limit, LimitStop)
+    assert (limit.stop_s > 0.0) is yields
+    np.testing.assert_allclose(back.trajectory.position[0], raised.at(0.7)[0])
+    np.testing.assert_allclose(back.trajectory.position[-1], start)
+    heights = -back.trajectory.position[:, boom]
+    assert (np.diff(heights) <= 1e-9).all()  # the same way, without a turn
+    assert np.diff(heights).min() > -0.01
 
 
 def test_a_motion_with_a_scan_has_the_lidars_on_until_its_end(fakes):

@@ -12,10 +12,14 @@ from executive.leaf.outcome import Outcome
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.machine import Machine, load_machine
 from executive.machine.tipping_moment import SHARE, TippingMoment
+from executive.messages.joints import JointSample
 from tests.leaf.looked_on import TICK_S, outcome_of
 
 M545 = load_machine("m545")
 CARRY = M545.posture("carry")
+STILL = JointSample(
+    0.0, M545.joint_names, np.append(CARRY, 0.0), *np.zeros((2, len(M545.joint_names)))
+)
 MOTION_S = 3.0
 
 
@@ -37,6 +41,8 @@ def moved(
         machine=lambda: machine,
         arm=lambda: CARRY,
         payload_kg=lambda: hangs_kg(context.time_s),
+        use=lambda interface: SimpleNamespace(command=lambda command: None),
+        joints=lambda: STILL,
     )
     return outcome_of(context, MOTION_S, FreeMotion(context).watched)
 

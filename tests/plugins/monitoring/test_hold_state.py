@@ -156,9 +156,10 @@ def test_tells_jaws_that_hold_nothing(watch) -> None:
 
 
 def test_closed_jaws_with_a_stone_within_them_hold_it_until_it_falls(watch) -> None:
-    """They close on no more when it falls: its weight alone tells."""
+    """They press on each other, and close no further when it falls: its weight alone tells."""
     carry = Carry()
     carry.jaw[:], carry.weight[:] = 0.0, 1.0  # it was weighed before the hold began
+    carry.force *= np.linspace(1.0, 0.2, len(carry.force))  # they press on each other and its stop
     assert watch(carry)[0] == []
     carry.weight *= 1 - carry.after(FAULT_S)
     fallen = only(watch(carry)[0])
