@@ -78,7 +78,7 @@ class ExecuteTrajectory(Action[ExecuteTrajectorySettings]):
         self, moving: Generator[None, None, Outcome[None]], trajectory: JointTrajectory
     ) -> Generator[None, None, Outcome[None]]:
         """Follow a path that is expected to be free, and lower what the arm lifts all the same."""
-        free = FreeMotion(self.context)
+        free = FreeMotion(self.context, trajectory)
         outcome = yield from free.watched(moving)
         if free.lifts and not (yield from come_to_rest(self.context)):
             yield from way_back(self.context, self._passed(trajectory)[::-1])

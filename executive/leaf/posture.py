@@ -49,4 +49,6 @@ def move_to_posture(context: Context, goal: Float, hold: Hold | None) -> Steps[N
         return failed(f"no way there: {plan.reason}")
     context.show("path", plan)
     way = follow(context, plan.trajectory)
-    return (yield from (way if held is not None else FreeMotion(context).watched(way)))
+    if held is None:
+        way = FreeMotion(context, plan.trajectory).watched(way)
+    return (yield from way)

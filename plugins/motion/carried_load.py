@@ -1,11 +1,7 @@
-"""What a machine that may tip can still lift on its way with a stone, and how it may move it."""
-
-from collections.abc import Callable
+"""What a machine that may tip can still lift on its way with a stone."""
 
 from executive.arrays import Float
 from executive.machine.lift_capacity import LiftCapacity
-from executive.machine.tipping_moment import SHARE, TippingMoment
-from executive.messages.trajectory import JointTrajectory
 
 # Share of the mass by which a posture on the way may bear more: the curve between such postures
 # bulges by that.
@@ -20,14 +16,11 @@ class CarriedLoad:
 
     Args:
         capacity: Lift capacities of the machine.
-        moment: What holds it on its supports, where these yield; None elsewhere.
         mass_kg: The most that the stone weighs.
     """
 
-    def __init__(
-        self, capacity: LiftCapacity, moment: TippingMoment | None, mass_kg: float
-    ) -> None:
-        self._capacity, self._moment, self._mass_kg = capacity, moment, mass_kg
+    def __init__(self, capacity: LiftCapacity, mass_kg: float) -> None:
+        self._capacity, self._mass_kg = capacity, mass_kg
 
     def spare_kg(self, positions: Float) -> float:
         """Return by how much the rated capacity on a path (m, n) exceeds the mass [kg].
@@ -47,28 +40,3 @@ class CarriedLoad:
         """
         capacity = self._capacity.at(q)
         return capacity.rated_kg >= min((1.0 + _ROOM) * self._mass_kg, capacity.payload_kg)
-
-    def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
-        """Return a motion that uses at most 0.45 of what holds the machine.
-
-        Joints that accelerate together add up at the load; the limits of each joint alone know
-        nothing of that. Where the load at rest is beyond what the machine holds, whoever carries it
-        judges that, and the motion stays as it is.
-
-        Args:
-            timed: Returns the motion, given the share of its accelerations that it may use.
-        """
-        motion = timed(1.0)
-        over = self._over(motion)
-        if not 1.0 < over < float("inf"):
-            return motion
-        motion = timed(1.0 / over)
-        over = self._over(motion)
-        return motion.slowed(over**0.5) if 1.0 < over < float("inf") else motion
-
-    def _over(self, motion: JointTrajectory) -> float:
-        """Return the share of what it may use that a motion of all joints uses."""
-        if self._moment is None:
-            return 0.0
-        path = (motion.times_s, motion.position, motion.velocity)
-        return self._moment.used(*path, self._mass_kg) / SHARE

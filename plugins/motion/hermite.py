@@ -179,6 +179,7 @@ class Hermite(MotionPlanner):
             clearance_m=settings.clearance,
             least_arrival=settings.least_arrival,
             load=self._base.load(request),
+            easing=self._base.easing(request),
         )
 
     def _sweep_check(self, start: Float, around: Around) -> SelfCollision:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from executive_plugins.motion.carried_load import CarriedLoad
 from executive_plugins.motion.collision import CollisionCheck
+from executive_plugins.motion.easing import Easing
 from executive_plugins.motion.forward_kinematics import link_frames
 from executive_plugins.motion.inverse_kinematics import InverseKinematics
 from executive_plugins.motion.obstacles import Obstacles
@@ -51,6 +52,7 @@ class Move:
         clearance_m: Height kept above obstacles while travelling.
         least_arrival: Share of the arrival that must be in reach.
         load: What is carried by a machine that may tip; None where tipping limits nothing.
+        easing: How motions are eased on supports that yield; None where nothing eases them.
     """
 
     machine: Machine
@@ -63,6 +65,7 @@ class Move:
     clearance_m: float
     least_arrival: float
     load: CarriedLoad | None = None
+    easing: Easing | None = None
 
     def leave(self, start: Float, normal: Float, length_m: float) -> Line | NoPath:
         """Move up from the start as far as the arm reaches; it fails only by a collision."""
@@ -238,10 +241,10 @@ class Move:
         return self._eased(lambda limits: time_path(self.machine.arm_names, path, limits))
 
     def _eased(self, timed: Callable[[Limits], JointTrajectory]) -> JointTrajectory:
-        """Return a motion with accelerations that a machine bears which may tip with its load."""
-        if self.load is None:
+        """Return a motion with accelerations that a machine bears which may tip."""
+        if self.easing is None:
             return timed(self.limits)
-        return self.load.eased(lambda share: timed(self.limits.softened(share)))
+        return self.easing.eased(lambda share: timed(self.limits.softened(share)))
 
     def _frame(self, q: Float) -> Float:
         frames = link_frames(self.machine, q[None], 0.0)

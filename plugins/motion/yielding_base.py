@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import cached_property
 
 from executive_plugins.motion.carried_load import CarriedLoad
+from executive_plugins.motion.easing import Easing
 
 from executive.arrays import Float
 from executive.geometry.convex import volume_and_centroid
@@ -37,8 +38,20 @@ class YieldingBase:
         """
         if not self._may_tip or request.held_gripper is None or request.held_kg is None:
             return None
-        mass_kg = min(request.held_kg, self._machine.payload_kg)
-        return CarriedLoad(self._capacity, self._moment if self._yields else None, mass_kg)
+        return CarriedLoad(self._capacity, min(request.held_kg, self._machine.payload_kg))
+
+    def easing(self, request: Request) -> Easing | None:
+        """Return how a motion is eased; None where nothing yields, or with an unknown load.
+
+        The joints keep the limits of a full load while nobody has weighed it.
+        """
+        if not (self._may_tip and self._yields):
+            return None
+        if request.held_gripper is None:
+            return Easing(self._moment, 0.0)
+        if request.held_kg is None:
+            return None
+        return Easing(self._moment, min(request.held_kg, self._machine.payload_kg))
 
     def sway_s(self, request: Request, postures: Sequence[Float]) -> float:
         """Return the longest period of the sway with the stone of a request in some postures [s].

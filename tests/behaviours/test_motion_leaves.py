@@ -185,7 +185,7 @@ def test_what_an_empty_gripper_lifts_is_lowered_along_the_same_path(fakes, yield
     context.positions = arm
     speeds = np.where(np.arange(len(names)) == boom, -0.1, 0.0)
     context.velocities = lambda time_s: speeds * (time_s < 0.7)
-    context.payload_kg = lambda: 4000.0 if context.time_s >= 0.6 and not began_s else 0.0
+    context.payload_kg = lambda: 4000.0 if context.time_s >= 0.5 and not began_s else 0.0
     leaf = ExecuteTrajectory(ExecuteTrajectorySettings(), context)
     outcome = fakes.finish(leaf, trajectory=raised)
     assert not outcome.success

@@ -9,10 +9,12 @@ import pytest
 
 from executive.leaf.free_motion import FreeMotion
 from executive.leaf.outcome import Outcome
+from executive.leaf.own_motion import OwnMotion
 from executive.machine.gravity import GRAVITY_M_S2
 from executive.machine.machine import Machine, load_machine
 from executive.machine.tipping_moment import SHARE, TippingMoment
 from executive.messages.joints import JointSample
+from executive.messages.trajectory import JointTrajectory
 from tests.leaf.looked_on import TICK_S, outcome_of
 
 M545 = load_machine("m545")
@@ -21,6 +23,9 @@ STILL = JointSample(
     0.0, M545.joint_names, np.append(CARRY, 0.0), *np.zeros((2, len(M545.joint_names)))
 )
 MOTION_S = 3.0
+STAY = JointTrajectory(
+    M545.arm_names, np.array([0.0, MOTION_S]), np.stack([CARRY, CARRY]), np.zeros((2, len(CARRY)))
+)
 
 
 def force_of(share: float, upwards: bool) -> float:
@@ -34,17 +39,19 @@ def force_of(share: float, upwards: bool) -> float:
 def moved(
     hangs_kg: Callable[[float], float | None],
     machine: Machine = M545,
+    way: JointTrajectory = STAY,
 ) -> tuple[Outcome[None], float, bool]:
     """Return how a motion ended, when, and whether the arm was stopped."""
     context: Any = SimpleNamespace(
         time_s=0.0,
         machine=lambda: machine,
         arm=lambda: CARRY,
+        now_s=lambda: context.time_s,
         payload_kg=lambda: hangs_kg(context.time_s),
         use=lambda interface: SimpleNamespace(command=lambda command: None),
         joints=lambda: STILL,
     )
-    return outcome_of(context, MOTION_S, FreeMotion(context).watched)
+    return outcome_of(context, MOTION_S, FreeMotion(context, way).watched)
 
 
 @pytest.mark.parametrize(
@@ -87,3 +94,36 @@ def test_without_supports_or_a_monitor_nothing_is_too_much() -> None:
     stance = M545.stance.model_copy(update={"supports_m": ()})
     assert moved(lambda time_s: -9000.0, M545.model_copy(update={"stance": stance}))[0].success
     assert moved(lambda time_s: None)[0].success
+
+
+def braking(by_rad: float) -> JointTrajectory:
+    """Return a motion of the boom that brakes evenly over its last second."""
+    times_s = np.linspace(0.0, MOTION_S, 61)
+    speed = np.clip(MOTION_S - times_s, 0.0, 1.0) * np.clip(times_s, 0.0, 1.0)
+    gone = np.concatenate([[0.0], np.cumsum(speed[1:] * np.diff(times_s))])
+    position = np.tile(CARRY, (len(times_s), 1))
+    position[:, M545.arm_names.index("J_BOOM")] += by_rad * gone
+    velocity = np.gradient(position, times_s, axis=0)
+    return JointTrajectory(M545.arm_names, times_s, position, velocity)
+
+
+def test_an_arm_that_brakes_on_its_way_down_lifts_nothing() -> None:
+    """Its own mass pulls at its joints, later and harder than the plan says, on springs."""
+    way = braking(-0.6)
+    context: Any = SimpleNamespace(machine=lambda: M545, arm=lambda: CARRY, now_s=lambda: 0.0)
+    own = OwnMotion(context, way)
+    assert own.beyond(600.0, 1.0) == pytest.approx(600.0, abs=100.0)  # at a constant speed
+    assert own.beyond(600.0, 2.5) == 0.0  # of a motion that tells 430 kg by itself
+    assert own.beyond(-600.0, 2.5) < -500.0  # which pulls it down, and does not press it up
+    assert own.beyond(600.0, 3.6) > 500.0  # it has long come to rest
+
+
+@pytest.mark.parametrize(("share", "is_stopped"), [(0.95, False), (1.3, True)])
+def test_what_the_motion_itself_tells_is_no_load(share: float, is_stopped: bool) -> None:
+    hangs_kg = force_of(share * SHARE, upwards=False) + 700.0
+
+    def told(time_s: float) -> float:
+        return hangs_kg if 2.1 < time_s < 2.6 else 0.0
+
+    assert moved(told)[2]  # of an arm that is at rest
+    assert moved(told, way=braking(-0.6))[2] is is_stopped

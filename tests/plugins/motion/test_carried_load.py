@@ -31,21 +31,21 @@ def _beside() -> Float:
 def test_a_stone_of_the_payload_may_pass_where_only_the_payload_limits(share: float) -> None:
     q = M545.posture("carry")
     assert CAPACITY.at(q).rated_kg == M545.payload_kg
-    assert CarriedLoad(CAPACITY, None, share * M545.payload_kg).may_pass(q)
+    assert CarriedLoad(CAPACITY, share * M545.payload_kg).may_pass(q)
 
 
 def test_elsewhere_it_needs_a_twentieth_more_than_it_weighs() -> None:
     q = _beside()
     rated_kg = CAPACITY.at(q).rated_kg
     assert rated_kg < 0.9 * M545.payload_kg
-    assert CarriedLoad(CAPACITY, None, rated_kg / 1.06).may_pass(q)
-    assert not CarriedLoad(CAPACITY, None, rated_kg / 1.04).may_pass(q)
+    assert CarriedLoad(CAPACITY, rated_kg / 1.06).may_pass(q)
+    assert not CarriedLoad(CAPACITY, rated_kg / 1.04).may_pass(q)
 
 
 def test_a_stone_beyond_the_payload_may_pass_nowhere_the_machine_may_not_lift_it() -> None:
-    assert not CarriedLoad(CAPACITY, None, 1.2 * M545.payload_kg).may_pass(_beside())
+    assert not CarriedLoad(CAPACITY, 1.2 * M545.payload_kg).may_pass(_beside())
 
 
 @pytest.mark.parametrize(("spare_kg", "is_hopeless"), [(-199.0, False), (-201.0, True)])
 def test_a_tenth_too_little_is_hopeless(spare_kg: float, is_hopeless: bool) -> None:
-    assert CarriedLoad(CAPACITY, None, 2000.0).is_hopeless(spare_kg) == is_hopeless
+    assert CarriedLoad(CAPACITY, 2000.0).is_hopeless(spare_kg) == is_hopeless

@@ -133,6 +133,24 @@ def test_a_motion_with_a_load_uses_half_of_what_holds_the_machine(asked: Posture
     assert lasted_s[1] > 1.1 * lasted_s[0]
 
 
+def test_an_empty_arm_far_out_uses_half_of_what_holds_the_machine_too(
+    asked: PostureRequest,
+) -> None:
+    """It weighs tonnes itself, and its joints speed up and brake at once."""
+    turned = asked.start + np.pi / 2 * np.eye(len(asked.start))[0]
+    far = turned + np.array([0.0, -0.47, 0.86, 1.24, 0.0, 0.0, 0.0])
+    raised_to = far + np.array([0.0, 0.31, 0.1, 0.0, 0.25, 0.0, 0.0])
+    empty = replace(asked, start=far, goal=raised_to, held_gripper=None)
+    used, lasted_s = [], []
+    for yields in (True, False):
+        motion = moved_by(resting(yields), empty)
+        path = (motion.times_s, motion.position, motion.velocity)
+        used.append(TippingMoment(M545).used(*path, 0.0))
+        lasted_s.append(motion.duration_s)
+    assert used[0] <= 0.46 < 0.52 < used[1]
+    assert lasted_s[0] > 1.05 * lasted_s[1]
+
+
 def test_a_load_of_about_the_payload_is_drawn_in_as_far_as_the_payload_asks(
     asked: PostureRequest,
 ) -> None:

@@ -1,6 +1,6 @@
 """The parts of a move, with a check and obstacles that say what the test wants."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -235,9 +235,6 @@ class Load:
             return self.at_ends_kg
         self.asked.append(positions)
         return self.spares_kg.pop(0)
-
-    def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
-        return timed(1.0)
 
 
 def far_out(machine: Machine, made: Move, angle_rad: float) -> Line:
