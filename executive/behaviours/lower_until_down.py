@@ -74,23 +74,27 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
     `PlanPlacement`). The ground that the map shows is some centimetres off, and so is the stone's
     underside, which nothing has seen. With `early`, a stone that is carried that far above the plan
     has met something else than its place, and this fails with the stone in the jaws. A stone whose
-    weight no monitor knows is lowered to the plan, and this tells so.
+    weight no monitor knows is lowered to the plan, and this tells so. A stone that has slipped is
+    set down so, too: heavy ones that are let go in the air swing a machine on its legs.
     """
 
     needs = (Robot, MotionPlanner, Mapper, ObjectDatabase, Monitor)
     claims = (Part.ARM, Part.CABIN)
     on_resume = OnResume.REDO
 
-    def run(self, hold: Hold, placement: Placement) -> Steps[None]:
+    def run(self, hold: Hold, placement: Placement | None = None) -> Steps[None]:
         """Weigh and lower in turn.
 
         Args:
             hold: Which stone is held, and how.
-            placement: The placement that is carried out.
+            placement: The placement that is carried out; without one the stone is set down where it
+                is, and the ground is sought from there.
         """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        planned_m, weight = placement.T_map_gripper[2, 3], self.context.weight()
+        planned_m, weight = self._height_m(), self.context.weight()
+        if placement is not None:
+            planned_m = placement.T_map_gripper[2, 3]
         least_kg = 0.0 if weight is None else self.settings.stands * weight.mass_kg
         while True:
             left = yield from hanging(self.context, self.settings.window, least_kg)
@@ -100,7 +104,8 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
                 told = f"no monitor weighs the stone: lowered by {above_m:.2f} m to the plan"
                 return succeeded(reason=told) if lowered.success else lowered
             if left.mass_kg < least_kg:
-                self.context.record(StoneTouchedDown(hold.stone_id, above_m, left.mass_kg))
+                if placement is not None:
+                    self.context.record(StoneTouchedDown(hold.stone_id, above_m, left.mass_kg))
                 return self._stood(hold, above_m)
             if above_m - 0.5 * self.settings.step < -self.settings.below:
                 return failed(

@@ -41,7 +41,14 @@ class Arm:
 def lowering(stage, world):
     """Let the arm follow paths that lower the gripper; 900 kg hang in the jaws above the ground."""
 
-    def lower(ground_m, weighed=True, jolted=lambda payload_kg: payload_kg, free_m=1.0, **settings):
+    def lower(
+        ground_m,
+        weighed=True,
+        jolted=lambda payload_kg: payload_kg,
+        free_m=1.0,
+        is_placed=True,
+        **settings,
+    ):
         context = world.leaf_context
         kinematics = Kinematics(context.machine())
         arm = Arm(context, context.machine().posture("carry"))
@@ -79,7 +86,7 @@ def lowering(stage, world):
         world.arm = arm
         plugins(world)["robot"].answers(command=arm.command, stop=arm.stop)
         plugins(world)["motion"] = stage.Scripted(MotionPlanner, move=move)
-        planned = placement(SLOTS[0], pose(t=np.array([5.0, 0.0, 1.94])))
+        planned = placement(SLOTS[0], pose(t=np.array([5.0, 0.0, 1.94]))) if is_placed else None
         given = {"settings": settings} if settings else {}
         return world.tick(LowerUntilDown, hold=world.hold, placement=planned, **given)
 
@@ -120,6 +127,16 @@ def test_of_a_way_that_is_not_free_what_is_free_is_gone(lowering, world):
     asked = [one["request"].arrive_m for one in plugins(world)["motion"].calls("move")]
     assert asked[:3] == pytest.approx([0.26, 0.13, 0.065])
     assert len(world.arm.stopped_s) == 1
+
+
+@pytest.mark.parametrize(("ground_m", "status"), [(1.85, "SUCCESS"), (1.7, "FAILURE")])
+def test_without_a_placement_the_ground_is_sought_from_where_the_stone_is(
+    lowering, ground_m, status
+):
+    ended = lowering(ground_m, is_placed=False)
+    assert (ended.status, ended.events) == (status, [])
+    told = "it stands -0.1" if status == "SUCCESS" else "0.20 m below its place"
+    assert told in ended.reason
 
 
 def test_a_stone_that_is_lifted_again_by_a_jolt_is_lowered_on(lowering, world):
