@@ -101,6 +101,7 @@ class StoneNotLifted(Event):
         least_kg: Mass from which it would have been taken to hang free [kg].
         higher_kg: What hung in the jaws as it was raised on [kg]; None if it was not.
         tipping_kg: Load that tips the machine there, if the lift was stopped before that [kg].
+        most_kg: Mass above which it is not that stone alone, if so much more hangs [kg].
     """
 
     stone: int
@@ -109,6 +110,7 @@ class StoneNotLifted(Event):
     least_kg: float
     higher_kg: float | None = None
     tipping_kg: float | None = None
+    most_kg: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -59,6 +59,8 @@ def hanging(event: stone.StoneNotLifted) -> str:
     if event.tipping_kg is not None:
         hangs = f"{event.hanging_kg:.0f} kg hang in the jaws"
         return f"{hangs}, and {event.tipping_kg:.0f} kg tip the machine there"
+    if event.most_kg is not None:
+        return f"{event.hanging_kg:.0f} kg hang in the jaws, more than {event.most_kg:.0f} kg"
     told = f"{event.hanging_kg:.0f} of at least {event.least_kg:.0f} kg hang in the jaws"
     return told if event.higher_kg is None else f"{told}, {event.higher_kg:.0f} kg higher up"
 

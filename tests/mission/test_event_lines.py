@@ -73,6 +73,9 @@ LINES = {
     "stone 4: not lifted, 2399 kg hang in the jaws, and 2601 kg tip the machine there": (
         stone.StoneNotLifted(4, 0.1, 2399.0, 1540.2, tipping_kg=2601.0)
     ),
+    "stone 4: not lifted, 1180 kg hang in the jaws, more than 937 kg": stone.StoneNotLifted(
+        4, 0.2, 1180.0, 690.0, most_kg=937.4
+    ),
     "stone 4: not lifted, 1306 of at least 1540 kg hang in the jaws": stone.StoneNotLifted(
         4, 0.2, 1305.6, 1540.2
     ),

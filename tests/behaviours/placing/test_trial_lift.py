@@ -98,6 +98,21 @@ def test_a_stone_that_was_weighed_before_has_to_weigh_as_much(
     assert world.tick(TrialLift, hold=world.hold).status == status
 
 
+@pytest.mark.parametrize(("hangs_kg", "status"), [(1240.0, "SUCCESS"), (1260.0, "FAILURE")])
+def test_jaws_that_hold_more_than_the_stone_was_weighed_at_hold_another_one(
+    stage, world, database, hangs_kg, status
+):
+    planned(stage, world, risen_m=0.2)
+    database.weigh(1, Weight(1000.0, 20.0), 1.0)
+    world.leaf_context.payload = hangs_kg
+    ended = world.tick(TrialLift, hold=world.hold)
+    assert ended.status == status
+    told = [one for one in world.leaf_context.events if isinstance(one, StoneNotLifted)]
+    assert [one.most_kg for one in told] == ([] if status == "SUCCESS" else [1250.0])
+    assert ("another one hangs with it" in ended.reason) == (status == "FAILURE")
+    assert ("carry" in world.leaf_context.holds) == (status == "SUCCESS")
+
+
 @pytest.mark.parametrize(
     ("weighed", "share", "lifts"),
     [
