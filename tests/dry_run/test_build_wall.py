@@ -178,9 +178,11 @@ LOWERED = """PlanPlacement:
         # It has met something above its place: it is carried to the next one, in the same attempt.
         ("[failure, success]", "{status: failure, outputs: {ending: complete}}",
          "PlanPlacement: [success, success], ReleaseStone: [success], PlanPick: [success]"),
-        # Nor is that one right: it is put back where it lay, looked for, and picked again.
-        ("[failure, failure, success, success]", AGAIN,
-         "FindOwnPlace: [success], LowerUntilDown: [failure, failure, success, success], "
+        # Nor is that one right: it is put back where it lay, lowered until it stands, looked for,
+        # and picked again.
+        ("[failure, failure, success, success, success]", AGAIN,
+         "FindOwnPlace: [success], "
+         "LowerUntilDown: [failure, failure, success, success, success], "
          "FindAgain: [success], PlanPick: [success, success]"),
     ],
     ids=["another place", "no place"],

@@ -15,7 +15,7 @@ mocks:
   IsHolding: HOLDING
   IsHanging: HANGING
 expect:
-  visited: [{SET_DOWN}/1:PlanSetDown, let_go/0:sequence/1:ReleaseStone]
+  visited: [{SET_DOWN}/1:PlanSetDown, let_go/0:sequence/2:ReleaseStone]
   LOWERING: [{LOWERED}]
 """
 
@@ -184,8 +184,8 @@ def test_a_stone_for_which_the_ground_never_comes_is_set_down_below(command_line
 def test_a_stone_that_slips_above_its_place_is_set_down_there(
     command_line, tmp_path, arrivals, placed
 ):
-    visited = "LowerUntilDown, VerifyPlacement" if placed else "let_go, look_again"
-    other = "let_go, look_again" if placed else "LowerUntilDown, VerifyPlacement"
+    at_place, elsewhere = "carry_down/0:sequence/1:LowerUntilDown, VerifyPlacement", "let_go"
+    visited, other = (at_place, elsewhere) if placed else (f"{elsewhere}, look_again", at_place)
     answer = rehearsed(
         command_line, tmp_path,
         "  NoStoneLeft: [failure, success]", "  SelectLargest: success", "  FindFreeSlots: success",
