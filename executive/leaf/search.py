@@ -62,7 +62,7 @@ def search(context: Context, stone_id: int, settings: SearchSettings) -> Steps[N
     if not is_shown and known.state is not StoneState.LOST:
         objects.set_state(stone_id, StoneState.LOST, context.now_s())
     segmentation = yield from context.job(context.use(Segmenter).segment, near)
-    others = [one.with_foot() for one in _not_done(segmentation, context, stone_id)]
+    others = [one.with_foot() for one in _sought(segmentation, context, stone_id)]
     seen = yield from context.job(objects.observe, others, context.now_s(), False)
     ids = tuple(one.id for one in seen)
     context.record(StoneSoughtAgain(stone_id, ids, "segmentation", found.reason))
@@ -89,8 +89,13 @@ def _is_shown(stone: Stone, around: Cloud) -> bool:
     return bool(np.isfinite(reached).mean() >= _SHOWN)
 
 
-def _not_done(segmentation: Segmentation, context: Context, stone_id: int) -> list[Segment]:
-    """Leave out segments of other stones that are in their slots: those are not looked for."""
+def _sought(segmentation: Segmentation, context: Context, stone_id: int) -> list[Segment]:
+    """Leave out segments of other stones that are in their slots, and those beyond the reach.
+
+    Nobody looks for the former. Of the latter the lidars see the near side alone, which would be
+    entered as a stone, and not be known again once the machine has driven there.
+    """
+    base_m, reach_m = context.state().T_map_base[:2, 3], context.machine().reach_m
     done = (StoneState.PLACED, StoneState.SET_ASIDE)
     places = [
         stone.centroid_map[:2]
@@ -100,5 +105,6 @@ def _not_done(segmentation: Segmentation, context: Context, stone_id: int) -> li
     return [
         segment
         for segment in segmentation.segments
-        if all(np.hypot(*(segment.centroid[:2] - place)) > _SAME_PLACE_M for place in places)
+        if np.hypot(*(segment.centroid[:2] - base_m)) <= reach_m
+        and all(np.hypot(*(segment.centroid[:2] - place)) > _SAME_PLACE_M for place in places)
     ]

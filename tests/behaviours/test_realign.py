@@ -148,6 +148,29 @@ def test_a_dropped_stone_that_is_not_found_is_left_to_the_segmentation(fakes):
     assert len(context.plugins["objects"].seen) == 1
 
 
+@pytest.mark.parametrize(("away_m", "known"), [(8.0, 3), (10.0, 2)])
+def test_what_is_seen_beyond_the_reach_is_entered_by_no_search(
+    fakes, stage, database, away_m, known
+):
+    """Its near side alone was entered from 9.9 m, and was another stone from near by."""
+    stones = [database.stone(number).points_map for number in (1, 2)]
+    other = stage.block((away_m, -1.0, 0.3), size=(0.4, 0.9, 0.6))
+    context = fakes.Context(
+        mapping=Mapper(np.vstack([*stones, other])),
+        registration=Method(answer(T_FAR, False, "their forms differ")),
+        segmentation=Method(None),
+        objects=database,
+    )
+    parts = [
+        Segment(i, one, one.mean(axis=0), np.ones(3)) for i, one in enumerate([*stones, other])
+    ]
+    context.plugins["segmentation"].segment = lambda cloud: Segmentation(
+        "map", tuple(parts), Cloud("map", np.empty((0, 3))), np.array([0, 0, 1.0, 0])
+    )
+    assert fakes.finish(FindAgain(FindAgainSettings(), context), stone=1).success
+    assert len(database.stones()) == known
+
+
 @pytest.mark.parametrize(("away_m", "is_found"), [(1.2, True), (2.9, True), (3.5, False)])
 def test_a_stone_that_was_pushed_and_turned_keeps_its_number(
     fakes, stage, database, away_m, is_found
