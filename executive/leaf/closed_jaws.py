@@ -1,10 +1,10 @@
 """Whether jaws that have closed whole hold a stone: one that lies within them, or nothing."""
 
 from collections.abc import Generator
-from typing import Any
 
 from executive.interfaces.objects import ObjectDatabase
 from executive.leaf.context import Context
+from executive.leaf.job import Job
 from executive.leaf.raise_gripper import raise_gripper
 from executive.leaf.weighing import SURE, Asked, asked_of, hanging
 
@@ -15,7 +15,7 @@ _RAISE_M, _WAIT_S = 0.15, 0.4
 _PART = 0.25  # share of the least weight of the stone that something else between the jaws has not
 
 
-def within(context: Context, stone: int) -> Generator[Any, Any, str]:
+def within(context: Context, stone: int) -> Generator[Job[object] | None, object, str]:
     """Raise closed jaws by a little, and weigh whether a stone lies within them.
 
     The jaws of a grab meet below a stone that is small beside them, and hold it all the better:

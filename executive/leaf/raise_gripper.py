@@ -1,17 +1,19 @@
 """Raise the gripper beside a stone, with the jaws as they are: a step that leaves share."""
 
 from collections.abc import Generator
-from typing import Any
 
 from executive.interfaces.motion import MotionPlanner
 from executive.leaf.context import Context
 from executive.leaf.follow import follow
+from executive.leaf.job import Job
 from executive.leaf.rest import come_to_rest
 from executive.leaf.surroundings import surroundings
 from executive.messages.request import MoveRequest
 
 
-def raise_gripper(context: Context, stone: int, by_m: float) -> Generator[Any, Any, str]:
+def raise_gripper(
+    context: Context, stone: int, by_m: float
+) -> Generator[Job[object] | None, object, str]:
     """Raise the gripper straight up, and return why it was not; empty if it was.
 
     Args:

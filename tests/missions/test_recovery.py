@@ -66,10 +66,11 @@ class WetStone(Fault):
     """The stone is slippery for as long as it takes to slip by some centimetres.
 
     Whether it falls before it stands differs between seeds and between processors. On the one on
-    which they were chosen it did not with 3, 1 and 8. With 3 the second attempt places it.
+    which they were chosen it did not with 1, 8 and 3. With 1 the second attempt places it; with 3
+    the thinned lidars show the stone that was set down as two, and the other one is placed.
     """
 
-    seeds = (3, 1, 8)
+    seeds = (1, 8, 3)
 
     def begin(self, world):
         stone = world.model.body(world.site.stones[0].name)
@@ -184,10 +185,11 @@ def test_it_is_found_as_the_stone_that_it_is(finished):
 
 def test_only_a_stone_that_is_still_held_is_set_down(finished, trouble):
     is_held = trouble == "slip"
-    # Asked before the way down is planned, and again while the gripper is lowered.
+    # Asked before the way down is planned, while the gripper is lowered, and again before what
+    # still hangs is lowered until it stands.
     let_go_s = finished.events("stone_let_go")[0]["time_s"]
     asked = finished.endings("IsHolding", to_s=let_go_s)
-    assert asked == (["success"] * 2 if is_held else ["failure"])
+    assert asked == (["success"] * 3 if is_held else ["failure"] * 2)
     assert finished.endings("PlanSetDown", to_s=let_go_s) == (["success"] if is_held else [])
 
 
