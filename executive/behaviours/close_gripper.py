@@ -52,13 +52,11 @@ class StoneHeld:
 class CloseGripper(Action[CloseGripperSettings]):
     """Close the jaws; if they hold something, inform the database, the map and the monitors.
 
-    Jaws that have closed whole may have met below a small stone, and are raised by 0.15 m to weigh
-    whether it hangs within them. Without a monitor that weighs they hold nothing.
-
-
     Mascaro et al. 2020, Sec. 4.5: the gripper's pose is stored with the stone, and a sphere of
     R_obj = 1 m is removed from the map, see `removal`. If the jaws press on the ground so hard that
-    they lift the machine, the gripper is raised before they go on.
+    they lift the machine, the gripper is raised before they go on. Jaws that have closed whole may
+    have met below a small stone, and are raised by 0.15 m to weigh whether a part of it hangs
+    within them. Without a monitor that weighs they hold nothing.
     """
 
     needs = (Robot, MotionPlanner, ObjectDatabase, Mapper, Monitor)

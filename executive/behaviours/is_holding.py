@@ -22,7 +22,10 @@ class IsHoldingSettings(Settings):
 
 
 class IsHolding(Condition[IsHoldingSettings]):
-    """Succeed while the jaws are held apart and no monitor has reported a fall."""
+    """Succeed while the jaws are held apart and no monitor has reported a fall.
+
+    Closed jaws count as held apart from when a trial lift has weighed the stone within them.
+    """
 
     needs = (Monitor,)
     on_resume = OnResume.REDO

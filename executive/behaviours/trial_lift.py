@@ -96,8 +96,8 @@ class TrialLift(Action[TrialLiftSettings]):
     It fails, too, if far more hangs in the jaws than the stone was weighed at before: they have
     closed on another one, or on two.
 
-    A lift ends once what hangs is about to tip the machine (`LoadMoment`), which is then lowered
-    again to where it stood, and this fails.
+    A lift ends once what hangs is about to tip the machine (`LoadMoment`): it is lowered again to
+    where it stood, and this fails.
     A machine on its legs sinks under the load, by up to a decimetre: it lifts on until the gripper
     is as high in the map, and waits at the end while it sways so far that it might tip as it moves.
     An arm that is held back on its way up is told as such only if the whole stone hangs: jaws that
@@ -151,7 +151,7 @@ class TrialLift(Action[TrialLiftSettings]):
         only takes the load on: averaged over the period of the sway, it leaves none. So does that
         of a stone that was seen from one side alone, and never weighed: its volume tells too
         little. Of 79 stones of `long_site` the median weighed 1.09 of it, and one in twenty more
-        than 1.58, where stones with a drone's points as well weighed 0.9 and at most 0.97 of it.
+        than 1.58; of 272 that a drone had seen as well the median weighed 0.90, one in twenty 0.97.
         """
         machine, q = self.context.machine(), self.context.arm()
         if machine.stance.support_n_m is None:
