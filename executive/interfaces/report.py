@@ -183,10 +183,19 @@ class LateTicksReport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Resources:
-    """Processor time of a run [s], and its largest resident memory [byte]."""
+    """What a run took from the computer.
+
+    Attributes:
+        cpu_s: Processor time [s].
+        peak_memory_bytes: Largest resident memory [byte].
+        compiling_s: Processor time of compiling numerical code, which is in `cpu_s` [s]; nearly 0
+            in all but the first run on a computer. None in reports of versions that do not
+            measure it.
+    """
 
     cpu_s: float
     peak_memory_bytes: int
+    compiling_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

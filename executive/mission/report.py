@@ -62,19 +62,22 @@ def cpu_s() -> float:
     return sum(one.ru_utime + one.ru_stime for one in spent)
 
 
-def resources_since(begun_cpu_s: float) -> Resources:
+def resources_since(begun_cpu_s: float, compiling_s: float) -> Resources:
     """Return the processor time of a run [s] and the largest resident memory [byte].
 
     The memory is that of this process since it began, and that of its largest child so far.
 
     Args:
         begun_cpu_s: What `cpu_s` returned when the run began.
+        compiling_s: Processor time of compiling in this process since then [s].
     """
     own, children = (
         resource.getrusage(who).ru_maxrss
         for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     )
-    return Resources(round(cpu_s() - begun_cpu_s, 3), (own + children) * _MAXRSS_BYTES)
+    return Resources(
+        round(cpu_s() - begun_cpu_s, 3), (own + children) * _MAXRSS_BYTES, round(compiling_s, 3)
+    )
 
 
 def summary(report: MissionReport) -> str:

@@ -14,6 +14,7 @@ from executive.interfaces.report_file import write_report
 from executive.journal import Journal
 from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
+from executive.mission.compiling import compiling_told
 from executive.mission.control.listening import controlled
 from executive.mission.fault import fault_of
 from executive.mission.garbage import left_alone
@@ -163,13 +164,20 @@ class Run:
         """
         self._tell = tell
         started_s = wall_s()
-        made = RunReport(self._description, self._selections, self._setup, cpu_s())
         beacon().name(
             run_dir=str(self.folder.path.absolute()),
             mission=self._description.name,
             machine=self._assembly.plugins["robot"].address(),
         )
-        with stopping(stop_after_report), run_log(self.folder.log):
+        begun_cpu_s = cpu_s()
+        with (
+            stopping(stop_after_report),
+            run_log(self.folder.log),
+            compiling_told(self._tell_compiling) as compiling,
+        ):
+            made = RunReport(
+                self._description, self._selections, self._setup, begun_cpu_s, compiling
+            )
             try:
                 ending = self._run(after_tick)
                 wall = wall_s() - started_s
@@ -203,6 +211,13 @@ class Run:
                 return self._started(after_tick)
         except Aborted as error:
             return Ending("stopped", str(error))
+
+    def _tell_compiling(self, text: str) -> None:
+        """Say so before the loop, which is when all but a few functions are compiled; then log."""
+        if self._mission is None:
+            self._tell(text)
+        else:
+            logging.getLogger(__name__).info(text)
 
     def _end_journal(self, ending: Ending) -> None:
         """Write the end record, unless the mission did, or a run may still be resumed."""

@@ -7,6 +7,7 @@ from executive.errors import DataError
 from executive.interfaces.report import MissionReport
 from executive.interfaces.truth import Truth
 from executive.mission.assembly import Selections
+from executive.mission.compiling import Compiling
 from executive.mission.machine_folder import MachineFolder
 from executive.mission.mission import Mission
 from executive.mission.record.samples import Samples
@@ -26,12 +27,14 @@ class RunReport:
         selections: The plugins that the run has.
         setup: What the run is made of; its account holds what came of it.
         begun_cpu_s: Processor time of the process when the run began [s].
+        compiling: What compiling takes since then.
     """
 
     description: MissionFile
     selections: Selections
     setup: Setup
     begun_cpu_s: float
+    compiling: Compiling
     _truth: Truth | None = field(default=None, init=False)
 
     def of(self, ending: Ending, took_s: float, mission: Mission | None) -> MissionReport:
@@ -74,7 +77,7 @@ class RunReport:
             faults=() if mission is None else mission.injector.report(),
             pauses=None if mission is None else mission.pause.as_report(),
             late_ticks=None if mission is None else mission.late_ticks.as_report(),
-            resources=resources_since(self.begun_cpu_s),
+            resources=resources_since(self.begun_cpu_s, self.compiling.spent_s),
             timings_ms=timings_from(self._durations_ms(mission)),
             truth=self._truth,
         )

@@ -199,7 +199,7 @@ WHOLE: dict[str, Any] = {
         "worst_cause": "mapping.add_scan_pair",
         "causes": {"mapping.add_scan_pair": 1},
     },
-    "resources": {"cpu_s": 40.5, "peak_memory_bytes": 300000000},
+    "resources": {"cpu_s": 40.5, "peak_memory_bytes": 300000000, "compiling_s": 12.5},
     "timings_ms": {"motion.move": {"median": 20.5, "p95": 35.0, "n": 12}},
     "truth": TRUTH,
 }
@@ -286,6 +286,7 @@ FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observa
 OPTIONAL = {
     "refused_observations", "missing_samples", "scans_not_fused", "stale_states", "faults",
     "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes", "datum", "success",
+    "compiling_s",
 }  # fmt: skip
 NEEDED = [
     at

@@ -94,6 +94,7 @@ def test_the_report_says_what_the_run_took(tmp_path):
     taken = run(tmp_path, SWING).report.resources
     assert 0 < taken.cpu_s <= cpu_s() - begun_s + 1e-3  # of this run, not of the whole process
     own = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kibibytes on Linux
+    assert 0.0 <= taken.compiling_s <= taken.cpu_s
     assert taken.peak_memory_bytes >= 0.5 * own  # it may have grown a little since
 
 

@@ -98,7 +98,7 @@ REPORT = blank(
     ended_s=50.0,
     wall_s=12.5,
     real_time_factor=4.0,
-    resources=Resources(20.0, 10**9),
+    resources=Resources(25.0, 10**9, compiling_s=5.0),
     figures={"stones_found": FigureReport(3.0, "")},
     counts=COUNTS,
     picks=(

@@ -9,13 +9,15 @@ class CpuPerSimulatedSecond(Metric):
     title = "processor time a simulated second"
     is_more_better = False
     description = (
-        "Processor time of a run and of its worker processes [s], divided by the mission time"
-        " [s]. One that is computed on another processor is not comparable."
+        "Processor time of a run and of its worker processes [s], without what compiling takes,"
+        " divided by the mission time [s]. One that is computed on another processor is not"
+        " comparable."
     )
 
     def measure(self, run: RunRecord) -> Values | None:
         taken, ended_s = run.report.resources, run.report.ended_s
-        return Values((taken.cpu_s / ended_s,)) if ended_s > 0 else None
+        spent_s = taken.cpu_s - (taken.compiling_s or 0.0)
+        return Values((spent_s / ended_s,)) if ended_s > 0 else None
 
 
 class PeakMemory(Metric):
