@@ -49,7 +49,7 @@ _HIGHER = 0.5  # share of the height by which a stone is raised that is weighed 
 # A stone weighs no more than this share of what it was weighed at before: of 47 that were weighed
 # again the largest was 1.22. Of two that lay against each other 1.57 hung in the jaws.
 _MOST = 1.25
-_LEFT = 0.1  # share of what holds the machine that is left for what its model errs: as by `SHARE`
+_LEFT = 0.1  # share of what holds the empty machine that is left for what its model errs
 
 
 class TrialLiftSettings(Settings):

@@ -23,7 +23,7 @@ class FreeMotion:
 
     A stone that lies otherwise than its model says is met at the speed of the approach, and may
     hang on an open jaw on the way up. By the efforts of the arm such a force is too much once it
-    takes more than 0.45 of what holds the machine on its supports, which is as much as the motions
+    takes more than 0.4 of what holds the machine on its supports, which is as much as the motions
     of a load may use (`tipping_moment.SHARE`). Where no supports are known, or no monitor tells
     the force, it never is.
 

@@ -15,7 +15,7 @@ class Thrust:
 
     It is the force on the tool, upwards and to the sides, that explains by how much the efforts of
     the arm have changed since the jaws began to move; what hangs in them is none. It is too much
-    once its moment about a side of the supports is more than 0.45 of what holds the machine there.
+    once its moment about a side of the supports is more than 0.4 of what holds the machine there.
     Where no supports are known, or a robot tells no efforts, it never is.
 
     Args:

@@ -7,7 +7,7 @@ from executive.messages.trajectory import JointTrajectory
 
 
 class Easing:
-    """Motions that use at most 0.45 of what holds the machine on its supports.
+    """Motions that use at most 0.4 of what holds the machine on its supports.
 
     Joints that accelerate together add up at the tool; the limits of each joint alone know nothing
     of that. An empty arm of some tonnes that brakes at 7 m needs it as well: one took 0.66 of what

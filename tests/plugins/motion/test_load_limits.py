@@ -116,7 +116,7 @@ def test_a_stone_that_nobody_has_weighed_sways_as_its_hull_would(asked: PostureR
     np.testing.assert_array_equal(unknown.times_s, known.times_s)
 
 
-def test_a_motion_with_a_load_uses_half_of_what_holds_the_machine(asked: PostureRequest) -> None:
+def test_a_motion_with_a_load_uses_a_part_of_what_holds_the_machine(asked: PostureRequest) -> None:
     """All joints of the boom brake at once at its end; with less load they may do so harder."""
     machine = resting(True)
     down = asked.start + np.array([np.pi / 2, -0.7, 0.5, 0.6, 0.3, 0.0, 0.0])
@@ -129,11 +129,11 @@ def test_a_motion_with_a_load_uses_half_of_what_holds_the_machine(asked: Posture
         path = (motion.times_s, motion.position, motion.velocity)
         used.append(TippingMoment(machine).used(*path, kg))
         lasted_s.append(motion.duration_s)
-    assert max(used) <= 0.52
+    assert max(used) <= 0.47
     assert lasted_s[1] > 1.1 * lasted_s[0]
 
 
-def test_an_empty_arm_far_out_uses_half_of_what_holds_the_machine_too(
+def test_an_empty_arm_far_out_uses_a_part_of_what_holds_the_machine_too(
     asked: PostureRequest,
 ) -> None:
     """It weighs tonnes itself, and its joints speed up and brake at once."""
@@ -147,7 +147,7 @@ def test_an_empty_arm_far_out_uses_half_of_what_holds_the_machine_too(
         path = (motion.times_s, motion.position, motion.velocity)
         used.append(TippingMoment(M545).used(*path, 0.0))
         lasted_s.append(motion.duration_s)
-    assert used[0] <= 0.46 < 0.52 < used[1]
+    assert used[0] <= 0.41 < 0.52 < used[1]
     assert lasted_s[0] > 1.05 * lasted_s[1]
 
 
