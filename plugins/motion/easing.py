@@ -2,43 +2,57 @@
 
 from collections.abc import Callable
 
-from executive.machine.tipping_moment import SHARE, TippingMoment
+import numpy as np
+
+from executive.arrays import Float
+from executive.machine.sway import Sway
+from executive.machine.swayed import swayed
+from executive.machine.tipping_moment import SHARE, MotionMoments, TippingMoment
 from executive.messages.trajectory import JointTrajectory
 
 
 class Easing:
-    """Motions that use at most 0.4 of what holds the machine on its supports.
+    """Motions that use a part of what holds the machine on its supports, with the sway they make.
 
-    Joints that accelerate together add up at the tool; the limits of each joint alone know nothing
-    of that. An empty arm of some tonnes that brakes at 7 m needs it as well: one took 0.66 of what
-    holds the machine, sway and all.
+    It is `SHARE` with a load, as a sway from before may use as much, and twice that without, as an
+    empty arm begins at rest. Joints that accelerate together add up at the tool; the limits of each
+    joint alone know nothing of that. An arm that went down at 7 m and braked used 0.5 of what holds
+    the machine, and tipped it by the sway of that.
 
     Args:
         moment: What holds the machine.
-        mass_kg: The most that hangs in the jaws.
+        sway: The sway of the machine.
+        mass_kg: The most that hangs in the jaws; 0 without a load.
     """
 
-    def __init__(self, moment: TippingMoment, mass_kg: float) -> None:
-        self._moment, self._mass_kg = moment, mass_kg
+    def __init__(self, moment: TippingMoment, sway: Sway, mass_kg: float) -> None:
+        self._moment, self._sway, self._mass_kg = moment, sway, mass_kg
+        self._most = SHARE if mass_kg else 2 * SHARE
 
     def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
         """Return a motion that the machine bears.
-
-        Where the load at rest is beyond what the machine holds, whoever carries it judges that, and
-        the motion stays as it is.
 
         Args:
             timed: Returns the motion, given the share of its accelerations that it may use.
         """
         motion = timed(1.0)
         over = self._over(motion)
-        if not 1.0 < over < float("inf"):
+        if over <= 1.0:
             return motion
         motion = timed(1.0 / over)
         over = self._over(motion)
-        return motion.slowed(over**0.5) if 1.0 < over < float("inf") else motion
+        return motion.slowed(over**0.5) if over > 1.0 else motion
 
     def _over(self, motion: JointTrajectory) -> float:
         """Return the share of what it may use that a motion of all joints uses."""
-        path = (motion.times_s, motion.position, motion.velocity)
-        return self._moment.used(*path, self._mass_kg) / SHARE
+        moments = self._moment.along(motion.times_s, motion.position, self._mass_kg)
+        ends = motion.position[0], motion.position[-1]
+        return max(self._used(moments, q) for q in ends) / self._most
+
+    def _used(self, moments: MotionMoments, q: Float) -> float:
+        """Return the largest share of what holds the machine that presses, as it sways at q."""
+        period_s = self._sway.period_s(q, self._mass_kg)
+        pressing_nm = swayed(moments.tipping_nm, moments.step_s, period_s)
+        rest = len(pressing_nm) - len(moments.holding_nm)
+        holding_nm = np.pad(moments.holding_nm, ((0, rest), (0, 0)), "edge")
+        return float((pressing_nm / holding_nm).max())

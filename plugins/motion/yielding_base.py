@@ -48,10 +48,11 @@ class YieldingBase:
         if not (self._may_tip and self._yields):
             return None
         if request.held_gripper is None:
-            return Easing(self._moment, 0.0)
+            return Easing(self._moment, self._sway, 0.0)
         if request.held_kg is None:
             return None
-        return Easing(self._moment, min(request.held_kg, self._machine.payload_kg))
+        held_kg = min(request.held_kg, self._machine.payload_kg)
+        return Easing(self._moment, self._sway, held_kg)
 
     def sway_s(self, request: Request, postures: Sequence[Float]) -> float:
         """Return the longest period of the sway with the stone of a request in some postures [s].

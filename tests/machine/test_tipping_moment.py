@@ -44,21 +44,43 @@ def test_a_load_presses_on_a_side_by_its_momentum_times_its_lever() -> None:
     assert np.abs(of_ton - left).min() == pytest.approx(0.0, abs=0.01 * abs(left))
 
 
-def descending(seconds: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return a path on which the boom goes down and comes to rest evenly, at the side."""
-    u, down = np.linspace(0.0, 1.0, 81), np.zeros(len(M545.joints))
+def lowered(seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a path on which the boom goes down from rest to rest, at the side."""
+    u, down = np.linspace(0.0, 1.0, 201), np.zeros(len(M545.joints))
     down[1] = -0.3
-    share, slope = 2 * u - u**2, 2 - 2 * u
-    q = sideways() + np.outer(share, down)
-    return u * seconds, q, np.outer(slope, down) / seconds
+    return u * seconds, sideways() + np.outer(u - np.sin(2 * np.pi * u) / (2 * np.pi), down)
 
 
 def test_braking_twice_as_fast_uses_four_times_of_what_holds() -> None:
     moment = TippingMoment(M545)
-    slow, fast = (moment.used(*descending(s), 1000.0) for s in (2.0, 1.0))
-    assert 0.0 < slow < 1.0
-    assert fast == pytest.approx(4 * slow, rel=0.02)
+    slow, fast = (moment.along(*lowered(s), 1000.0) for s in (4.0, 2.0))
+    used = [(one.tipping_nm / one.holding_nm).max() for one in (slow, fast)]
+    assert 0.0 < used[0] < 1.0
+    assert used[1] == pytest.approx(4 * used[0], rel=0.03)
 
 
-def test_a_path_that_is_beyond_what_holds_at_rest_uses_more_than_all() -> None:
-    assert TippingMoment(M545).used(*descending(2.0), 9000.0) == np.inf
+def test_a_motion_tips_by_the_change_of_its_momentum() -> None:
+    """It holds the machine as the arm speeds up downwards, and tips it as it brakes."""
+    moment, (times_s, q) = TippingMoment(M545), lowered(2.0)
+    dq = np.gradient(q, times_s, axis=0)
+    momenta = np.array([moment.momentum(*one, 1000.0) for one in zip(q, dq, strict=True)])
+    lost = -np.gradient(momenta, times_s, axis=0)
+    found = moment.along(times_s, q, 1000.0)
+    at_s = found.step_s * np.arange(len(found.tipping_nm))
+    for side in range(lost.shape[1]):
+        told = np.interp(at_s, times_s, lost[:, side])
+        assert np.abs(found.tipping_nm[:, side] - told).max() < 0.05 * np.abs(told).max()
+
+
+def test_what_holds_is_that_of_each_posture_and_never_nothing() -> None:
+    moment, (times_s, q) = TippingMoment(M545), lowered(2.0)
+    borne, beyond = (moment.along(times_s, q, kg).holding_nm for kg in (500.0, 9000.0))
+    np.testing.assert_allclose(borne[0], moment.holding_nm(q[0], 500.0))
+    tenth = 0.1 * moment.holding_nm(q[0], 0.0)
+    assert moment.holding_nm(q[0], 9000.0).min() < 0.0
+    np.testing.assert_allclose(beyond[0], np.maximum(moment.holding_nm(q[0], 9000.0), tenth))
+
+
+def test_a_motion_to_where_the_arm_is_tips_nothing() -> None:
+    q = np.tile(sideways(), (2, 1))
+    assert not TippingMoment(M545).along(np.array([0.0, 0.1]), q, 500.0).tipping_nm.any()
