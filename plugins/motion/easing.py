@@ -10,14 +10,17 @@ from executive.machine.swayed import swayed
 from executive.machine.tipping_moment import SHARE, MotionMoments, TippingMoment
 from executive.messages.trajectory import JointTrajectory
 
+_EMPTY = 1.5  # times the share of a load
+
 
 class Easing:
     """Motions that use a part of what holds the machine on its supports, with the sway they make.
 
-    It is `SHARE` with a load, as a sway from before may use as much, and twice that without, as an
-    empty arm begins at rest. Joints that accelerate together add up at the tool; the limits of each
-    joint alone know nothing of that. An arm that went down at 7 m and braked used 0.5 of what holds
-    the machine, and tipped it by the sway of that.
+    It is `SHARE` with a load, as a sway from before may use as much, and half as much more without,
+    as an empty arm begins at rest. Joints that accelerate together add up at the tool; the limits
+    of each joint alone know nothing of that. An arm that went down at 7 m and braked used 0.5 of
+    what holds the machine, and tipped it by the sway of that. The sway is that of a machine on all
+    of its supports, which the model has at 0.9 where those that come off the ground have tipped it.
 
     Args:
         moment: What holds the machine.
@@ -27,7 +30,7 @@ class Easing:
 
     def __init__(self, moment: TippingMoment, sway: Sway, mass_kg: float) -> None:
         self._moment, self._sway, self._mass_kg = moment, sway, mass_kg
-        self._most = SHARE if mass_kg else 2 * SHARE
+        self._most = SHARE if mass_kg else _EMPTY * SHARE
 
     def eased(self, timed: Callable[[float], JointTrajectory]) -> JointTrajectory:
         """Return a motion that the machine bears.
