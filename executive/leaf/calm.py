@@ -16,9 +16,9 @@ def calm(context: Context, mass_kg: float) -> Generator[None, None, None]:
     As much is for the motion that follows, and a fifth is left. How far the gripper goes up and
     down is seen at each tick, for half of the known period of the sway at least. The supports are
     springs, so that it tells what presses on them: the load, the arm and the chassis, which sway
-    together. What is weighed in the jaws tells of the load alone, and of two fifths of the moment
-    that was measured. Nothing is waited for where nothing yields, or where twice the load would use
-    no more than that: no load that comes on at once does more.
+    together. What is weighed in the jaws tells of the load alone, which was two fifths of what
+    pressed. Nothing is waited for where nothing yields, or where twice the load would use no more
+    than that: no load that comes on at once does more.
 
     Args:
         context: The leaf's view of the mission, with the arm at rest.
