@@ -51,9 +51,13 @@ class Fault(ABC):
 
 
 class OpenJaws(Fault):
-    """A valve opens the jaws: the stone falls. With this seed the second grasp holds."""
+    """A valve opens the jaws: the stone falls. With this seed the second grasp holds.
 
-    seeds = (12,)
+    Of 12 to 20 the stone falls with seven, and is placed with six of these; with 12 it is then
+    known by 3.3° at the end, with the others by 2.1° at most.
+    """
+
+    seeds = (16,)
 
     def begin(self, world):
         world.move_jaws(MoveJaws(world.machine.jaw.upper, FORCE_N))
@@ -66,11 +70,12 @@ class WetStone(Fault):
     """The stone is slippery for as long as it takes to slip by some centimetres.
 
     Whether it falls before it stands differs between seeds and between processors. On the one on
-    which they were chosen it did not with 1, 8 and 3. With 1 the second attempt places it; with 3
-    the thinned lidars show the stone that was set down as two, and the other one is placed.
+    which they were chosen it did not with 8, 1 and 3. With 8 and 1 the second attempt places it,
+    but with 1 it is then known by 8° only, as the thinned lidars show it; with 3 they show the
+    stone that was set down as two, and the other one is placed.
     """
 
-    seeds = (1, 8, 3)
+    seeds = (8, 1, 3)
 
     def begin(self, world):
         stone = world.model.body(world.site.stones[0].name)
