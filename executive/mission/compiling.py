@@ -17,6 +17,9 @@ NOTICE = (
 class Compiling(Listener):  # type: ignore[misc]  # numba has no types
     """Measures what compiling takes in this process, and says once that it goes on.
 
+    Args:
+        tell: Called once with what a person should know, if compiling takes more than a moment.
+
     Attributes:
         spent_s: Processor time of compiling so far [s].
     """
@@ -43,14 +46,8 @@ class Compiling(Listener):  # type: ignore[misc]  # numba has no types
             self._is_told = True
             self._tell(NOTICE)
 
-
-@contextmanager
-def compiling_told(tell: Callable[[str], None]) -> Iterator[Compiling]:
-    """Watch for code that is compiled in this process.
-
-    Args:
-        tell: Called once with what a person should know, if compiling takes more than a moment.
-    """
-    listener = Compiling(tell)
-    with install_listener("numba:compile", listener):
-        yield listener
+    @contextmanager
+    def watching(self) -> Iterator[None]:
+        """Watch for code that is compiled in this process."""
+        with install_listener("numba:compile", self):
+            yield

@@ -14,7 +14,7 @@ from executive.interfaces.report_file import write_report
 from executive.journal import Journal
 from executive.journal.value_folder import ValueFolder
 from executive.logs.recorder import Recorder
-from executive.mission.compiling import compiling_told
+from executive.mission.compiling import Compiling
 from executive.mission.control.listening import controlled
 from executive.mission.fault import fault_of
 from executive.mission.garbage import left_alone
@@ -163,21 +163,14 @@ class Run:
             DataError: If a file that a plugin needs is missing or wrong; nothing has moved then.
         """
         self._tell = tell
-        started_s = wall_s()
+        started_s, compiling = wall_s(), Compiling(self._tell_compiling)
+        made = RunReport(self._description, self._selections, self._setup, cpu_s(), compiling)
         beacon().name(
             run_dir=str(self.folder.path.absolute()),
             mission=self._description.name,
             machine=self._assembly.plugins["robot"].address(),
         )
-        begun_cpu_s = cpu_s()
-        with (
-            stopping(stop_after_report),
-            run_log(self.folder.log),
-            compiling_told(self._tell_compiling) as compiling,
-        ):
-            made = RunReport(
-                self._description, self._selections, self._setup, begun_cpu_s, compiling
-            )
+        with stopping(stop_after_report), run_log(self.folder.log), compiling.watching():
             try:
                 ending = self._run(after_tick)
                 wall = wall_s() - started_s
