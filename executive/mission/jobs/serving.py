@@ -51,6 +51,8 @@ def serve(
         spare_what_is_made()
         returned_s = wall_s()
         try:
+            # Only now: what a worker does to get ready takes no time of its first call's limit.
+            connection.send_bytes(pickle.dumps(None))
             while True:
                 call: VerbCall = pickle.loads(connection.recv_bytes())
                 connection.send_bytes(_answer(call, plugin, capability, assembly))
@@ -80,7 +82,6 @@ def _started(
     except (Exception, SystemExit) as error:
         connection.send_bytes(pickle.dumps(_portable(error, plugins)))
         return None
-    connection.send_bytes(pickle.dumps(None))
     return assembly
 
 

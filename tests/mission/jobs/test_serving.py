@@ -132,12 +132,9 @@ def test_a_verb_that_exits_does_not_end_the_worker(assembly: Assembly) -> None:
     assert "it called sys.exit(3)" in str(error)
 
 
-def test_a_start_is_told_by_nothing_and_a_failed_one_by_its_error(
+def test_a_failed_start_is_told_by_its_error(
     assembly: Assembly, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    connection = Connection()
-    assert serving._started(connection, {}, "m545", 1) is assembly
-    assert connection.sent == [None]
     for error, kind, told in (
         (ConfigError("no mesh"), ConfigError, "no mesh"),
         (SystemExit(4), RobotError, r"it called sys\.exit\(4\)"),
@@ -177,6 +174,17 @@ def test_calls_are_answered_until_the_connection_is_closed(
     assert assembly.is_closed
     usr1 = (signal.SIGUSR1, str(stack), False)
     assert limits == ["signals", str(stack), usr1, 10**9, "collector"]
+
+
+def test_a_worker_says_that_it_is_ready_when_it_is(
+    assembly: Assembly, limits: list[Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    connection, sent_before = Connection(), []
+    collector = lambda: sent_before.extend(connection.sent)
+    monkeypatch.setattr(serving, "spare_what_is_made", collector)
+    serving.serve(connection, "motion", {}, MACHINE, 1, 10**9, tmp_path / "stack.txt")
+    assert sent_before == []
+    assert connection.sent == [None]
 
 
 def test_a_plugin_that_does_not_start_is_asked_nothing(
