@@ -24,7 +24,7 @@ from executive.tree.selection import Selection
 LIMITS = Limits(factor=1.0, least_s=0.4, start_s=60.0, memory_bytes=300_000_000)
 # Faults that end by themselves have time on a busy computer; only these end by the limit.
 PATIENT = replace(LIMITS, least_s=60.0)
-ENDLESS = ("hang", "hold_gil")
+ENDLESS = ("hang", "hold_gil", "sigstop")
 CAPABILITIES = (
     "segmentation",
     "surveying",
