@@ -222,7 +222,7 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         ids = tuple(one.id for one in standing)
         refused = {} if plan is None else dict(plan.refused)
         by_stone = {} if plan is None else dict(plan.by_stone)
-        ended = BuildingEnded(structure.name, reason, detail, ids, refused, by_stone)
+        ended = BuildingEnded(structure.name, reason, detail, ids, refused, by_stone, structure)
         self.context.record(ended)
         return failed(f"{reason}: {detail}", BuildingOver(reason))
 

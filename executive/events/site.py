@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from executive.arrays import Float
 from executive.events.event import Event
+from executive.messages.structure import Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -178,6 +179,7 @@ class BuildingEnded(Event):
         refused: Number of stones and places that were passed over, by reason.
         by_stone: The same of each stone that is left, by its id; the reasons of its best places
             come first.
+        shape: What was to be built; None in the journals of older versions.
     """
 
     structure: str
@@ -186,6 +188,7 @@ class BuildingEnded(Event):
     standing: tuple[int, ...]
     refused: Mapping[str, int]
     by_stone: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    shape: Structure | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,10 +8,12 @@ from pathlib import Path
 from executive.interfaces.robot import Robot
 from executive.interfaces.truth import Truth
 from executive.messages.base_state import BaseState
+from executive.messages.building import AsBuilt
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
 from executive.messages.stone import Stone
 from executive.messages.stone_event import StoneEvent
+from executive.messages.structure import Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +41,7 @@ class MissionView:
         map_cloud: The map at the end, in the frame `map`; None without a mapper.
         registered_survey: The survey as the last accepted registration lays it over the map; None
             without one.
+        structures: What was to be built of stones, of each structure that was ended.
     """
 
     states: Sequence[BaseState]
@@ -48,6 +51,7 @@ class MissionView:
     histories: Mapping[int, Sequence[StoneEvent]] | None = None
     map_cloud: Cloud | None = None
     registered_survey: Cloud | None = None
+    structures: Sequence[Structure] = ()
 
 
 class Witness(ABC):
@@ -83,3 +87,10 @@ class Oracle(ABC):
     @abstractmethod
     def truth(self, view: MissionView) -> Truth:
         """Return what really happened in the run, for its report."""
+
+    def as_built(self, structure: Structure) -> AsBuilt | None:
+        """Return a structure with the stones that really stand in it, for a judge.
+
+        Their shapes are those by which they touch. By default nobody knows: None.
+        """
+        return None

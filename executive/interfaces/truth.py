@@ -3,7 +3,8 @@
 An oracle makes it, and metrics read it; no plugin and no leaf sees it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from executive.arrays import Float
@@ -63,6 +64,25 @@ class TrueStone:
     bottom_m: float
     top_m: float
     touches: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrueStructure:
+    """A structure as it really stands at the end of a run.
+
+    Attributes:
+        name: Its name.
+        stones: Numbers on the site of the stones whose middles are over its foot.
+        moved_m: How far each of these that was ever picked has moved since the end of the newest
+            attempt at it [m].
+        verdict: What a judge says of it, by name; None for what does not apply. Empty without a
+            judge, and without a stone.
+    """
+
+    name: str
+    stones: tuple[int, ...]
+    moved_m: tuple[float, ...]
+    verdict: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -243,6 +263,7 @@ class Truth:
         map: Errors of the map; nothing without a map.
         registration: Errors of the registered survey; nothing without one.
         limits: How near the machine came to each of its limits.
+        structures: What was built of stones, as it stands.
     """
 
     scenario: str
@@ -257,3 +278,4 @@ class Truth:
     map: Nothing | MapErrors
     registration: Nothing | RegistrationErrors
     limits: tuple[LimitUse, ...] | None
+    structures: tuple[TrueStructure, ...] = ()

@@ -10,7 +10,7 @@ import numpy as np
 from executive.events.mission import Fault
 from executive.events.site import BuildingEnded
 from executive.interfaces.report import Counts, MissionOutcome, MissionReport, Resources, Timing
-from executive.interfaces.truth import Truth
+from executive.interfaces.truth import TrueStructure, Truth
 from executive.mission.record.samples import Samples
 
 NEAR_M = 0.30  # a stone within this distance of its slot, by the truth, counts as placed
@@ -185,6 +185,8 @@ def _truth_lines(truth: Truth | None) -> list[str]:
             f"  truth      {near} of {len(errors)} within {NEAR_M:.2f} m of their slot"
             f" (median {np.median(errors):.2f} m, worst {max(errors):.2f} m){collisions}"
         )
+    for one in truth.structures:
+        lines += _standing_lines(one)
     if truth.estimate:
         error = truth.estimate.error_m
         lines.append(
@@ -192,6 +194,17 @@ def _truth_lines(truth: Truth | None) -> list[str]:
             f"{1e3 * error.max:.0f} mm at worst"
         )
     return lines
+
+
+def _standing_lines(structure: TrueStructure) -> list[str]:
+    """Say what really stands of a structure, and each figure of its judge."""
+    moved = max(structure.moved_m, default=0.0)
+    lines = [
+        f"  standing   {structure.name}: {len(structure.stones)} stones over its foot, moved by"
+        f" {moved:.2f} m at most since they were placed"
+    ]
+    told = [f"{name} {value:.2f}" for name, value in structure.verdict.items() if value is not None]
+    return [*lines, f"  judge      {', '.join(told)}"] if told else lines
 
 
 def _minutes(seconds: float) -> str:

@@ -11,7 +11,7 @@ from executive.mission.compiling import Compiling
 from executive.mission.machine_folder import MachineFolder
 from executive.mission.mission import Mission
 from executive.mission.record.samples import Samples
-from executive.mission.report import Ending, resources_since, timings_from
+from executive.mission.report import Ending, cpu_s, resources_since, timings_from
 from executive.mission.selections import is_judged, model_of
 from executive.mission.setup import Setup
 from executive.mission.truth import truth_of, witness_of
@@ -83,22 +83,30 @@ class RunReport:
         )
 
     def ask_oracle(self, mission: Mission | None) -> None:
-        """Ask what really happened; `of` then reports it. A robot without an oracle has nothing."""
+        """Ask what really happened; `of` then reports it. A robot without an oracle has nothing.
+
+        What that takes is no part of what the run took.
+        """
+        before_s = cpu_s()
         self._truth = self._true(mission)
+        self.begun_cpu_s += cpu_s() - before_s
 
     def _true(self, mission: Mission | None) -> Truth | None:
         if mission is None or not is_judged(self.description):
             return None
         name, picks = self.description.plugins["robot"][0].name, self.setup.account.picks()
+        ends = self.setup.account.findings.structures
+        built = [one.shape for one in ends if one.shape is not None]
+        judge = self.description.loop.structure_judge
         robot, machine = mission.services.plugins["robot"], self.setup.machine
         if machine is None:
-            return truth_of(robot, name, mission, picks)
+            return truth_of(robot, name, mission, picks, built, judge)
         zero_s, path = robot.zero_s(), MachineFolder(self.setup.folder).truth
         machine.end()
         plugins, model = self.description.plugins, model_of(self.description)
         try:
             with witness_of(plugins, model, self.setup.seed, path, zero_s) as witness:
-                return truth_of(witness, name, mission, picks)
+                return truth_of(witness, name, mission, picks, built, judge)
         except DataError as error:  # the machine's process was killed: nobody knows what happened
             logging.getLogger(__name__).warning("the report has no truth: %s", error)
             return None

@@ -1,6 +1,7 @@
 """The report's `truth` section: the only place that compares a mission with the simulator."""
 
-from collections.abc import Iterator, Sequence
+import logging
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -12,14 +13,24 @@ from executive.geometry.pose import transform
 from executive.interfaces.oracle import MissionView, Oracle, Witness
 from executive.interfaces.robot import Robot
 from executive.interfaces.truth import Truth
+from executive.messages.building import AsBuilt
 from executive.messages.cloud import Cloud
 from executive.messages.placement import Slot
+from executive.messages.structure import Structure
 from executive.mission.assembly import Selections, assemble, needed_for
+from executive.mission.judging import verdict_of
 from executive.mission.mission import Mission
 from executive.mission.picks import Pick, attempts_from, newest_releases
 
 
-def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -> Truth:
+def truth_of(
+    robot: Robot,
+    name: str,
+    mission: Mission,
+    picks: Sequence[Pick],
+    structures: Sequence[Structure] = (),
+    judge: str = registry.NO_JUDGE,
+) -> Truth:
     """Return what the oracle of a robot says of a run.
 
     Args:
@@ -27,6 +38,8 @@ def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -
         name: Its name, as installed.
         mission: The mission.
         picks: Its picks.
+        structures: What was to be built.
+        judge: Who judges what was built of them, by the poses at the end.
     """
     plugins = mission.services.plugins
     oracle: Oracle = registry.load(registry.ORACLES, name)(robot)
@@ -50,8 +63,34 @@ def truth_of(robot: Robot, name: str, mission: Mission, picks: Sequence[Pick]) -
         histories=histories,
         map_cloud=plugins["mapping"].cloud() if "mapping" in plugins else None,
         registered_survey=_registered_survey(mission),
+        structures=structures,
     )
-    return oracle.truth(view)
+    truth = oracle.truth(view)
+    return _judged(truth, oracle, structures, judge) if structures else truth
+
+
+def _judged(truth: Truth, oracle: Oracle, structures: Sequence[Structure], judge: str) -> Truth:
+    """Return the truth with a judge's verdict on each structure in which a stone stands."""
+    of_name = {one.name: one for one in structures}
+    judged = []
+    for one in truth.structures:
+        built = None if judge == registry.NO_JUDGE else oracle.as_built(of_name[one.name])
+        if built is not None and built.standing:
+            judged.append(replace(one, verdict=_verdict(built, judge)))
+        else:
+            judged.append(one)
+    return replace(truth, structures=tuple(judged))
+
+
+def _verdict(built: AsBuilt, judge: str) -> Mapping[str, float | None]:
+    """Return a judge's verdict; empty if it fails, which changes nothing of the run."""
+    try:
+        return verdict_of(built, judge)
+    except Exception:  # whatever escapes a judge, which anybody may bring
+        logging.getLogger(__name__).exception(
+            "the judge '%s' gave no verdict on '%s'", judge, built.structure.name
+        )
+        return {}
 
 
 @contextmanager

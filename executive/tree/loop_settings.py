@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
+from executive import registry
 from executive.config import Seconds, Settings
 from executive.tree.job_settings import JobSettings
 
@@ -32,4 +33,17 @@ class LoopSettings(Settings):
         description="In real time, a supervisor stops the machine when the loop is silent for so "
         "long, or the newest joint sample is so old [s].",
     )
+    structure_judge: str = Field(
+        "rigid_stones",
+        description="Who judges in a simulated run, after its end and by the true poses, what was "
+        "built of stones; none for no verdict.",
+    )
     jobs: JobSettings = Field(JobSettings(), description="Limits of the long verbs.")
+
+    @field_validator("structure_judge")
+    @classmethod
+    def _is_installed(cls, name: str) -> str:
+        judges = (*registry.names(registry.JUDGES), registry.NO_JUDGE)
+        if name not in judges:
+            raise ValueError(f"no judge '{name}' is installed; there is: {', '.join(judges)}")
+        return name

@@ -29,9 +29,9 @@ def test_a_trial_is_told_written_and_judged(
         "executive.commands.walls.construction.answer_of", lambda one: {"right": 1, "a": one.reason}
     )
     monkeypatch.setattr(
-        "executive.commands.walls.judging.verdict_of", lambda one, name: {"stands": 0.5, "n": 3}
+        "executive.mission.judging.verdict_of", lambda one, name: {"stands": 0.5, "n": 3}
     )
-    monkeypatch.setattr("executive.commands.walls.judging.judges", lambda: ("a_judge",))
+    monkeypatch.setattr("executive.registry.names", lambda group: ("a_judge",))
     drawn: list[Any] = []
 
     def draw(*given: Any) -> list[str]:

@@ -15,10 +15,10 @@ from executive.commands.clouds import segment
 from executive.commands.clouds.convert import _crs_of
 from executive.commands.clouds.crop import Crop
 from executive.commands.missions import ctl
-from executive.commands.walls.judging import _judge
 from executive.errors import ConfigError, DataError
 from executive.messages.cloud import Cloud
 from executive.messages.segment import Segment
+from executive.mission.judging import _judge
 from executive.tree import load
 from executive.tree.problem import Mark, MissionFileError, Problem
 from executive.tree.words import vocabulary

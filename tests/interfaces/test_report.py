@@ -86,6 +86,14 @@ TRUTH = {
             "beyond_s": 0.0,
         }
     ],
+    "structures": [
+        {
+            "name": "wall",
+            "stones": [1, 2],
+            "moved_m": [0.01],
+            "verdict": {"fill": 0.3, "running_joints": None},
+        }
+    ],
 }
 COUNTS = (
     "picks", "placed", "attempts", "first_attempt", "slips", "drops", "empty", "set_aside", "known",
@@ -175,6 +183,14 @@ WHOLE: dict[str, Any] = {
             "standing": [1, 2],
             "refused": {"too_low": 3},
             "by_stone": {"4": {"too_low": 3}},
+            "shape": {
+                "name": "wall",
+                "line": [[0.0, 5.0], [6.0, 5.0]],
+                "thickness_m": 1.3,
+                "height_m": 1.5,
+                "batter_rad": 0.05,
+                "faces": 2,
+            },
         }
     ],
     "ignored_observations": {"Strange": 7},
@@ -282,18 +298,21 @@ def places(value: object, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
 
 # What may be absent: an entry of a mapping whose names the mission chooses, a field with a default,
 # and the one field of the map's errors, which are then nothing.
-FREE = ("plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations", "causes")
+FREE = (
+    "plugins", "figures", "timings_ms", "costs", "refused", "ignored_observations", "causes",
+    "verdict",
+)  # fmt: skip
 OPTIONAL = {
     "refused_observations", "missing_samples", "scans_not_fused", "stale_states", "faults",
     "pauses", "late_ticks", "truth", "volume_m3", "worst_cause", "causes", "datum", "success",
-    "compiling_s",
+    "compiling_s", "shape", "batter_rad", "faces", "verdict",
 }  # fmt: skip
 NEEDED = [
     at
     for at in places(WHOLE)
     if (at[-1] not in OPTIONAL or at[:2] == ("truth", "stones"))
     and (len(at) < 2 or at[-2] not in (*FREE, "refused_observations", "missing_samples"))
-    and at != ("truth", "map", "distance_m")
+    and at not in (("truth", "map", "distance_m"), ("truth", "structures"))
     and "by_stone" not in at
 ]
 

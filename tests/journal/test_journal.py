@@ -17,6 +17,7 @@ from executive.errors import DataError
 from executive.events.event import _KINDS, Event, UnknownEvent, event_from, plain
 from executive.events.mission import PhaseChanged
 from executive.journal import Journal, JournalFile, read_journal, segment_file
+from executive.messages.structure import Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +107,8 @@ def sample(kind):
         return arguments[0]
     if origin is not None:
         return {"a": sample(arguments[1])}
+    if kind is Structure:  # its line has rows of two
+        return Structure("wall", np.zeros((1, 2)), thickness_m=1.0, height_m=1.0)
     if is_dataclass(kind):
         return kind(**{f.name: sample(get_type_hints(kind)[f.name]) for f in fields(kind)})
     if issubclass(kind, Enum):

@@ -10,12 +10,15 @@ from executive.clock import SimulatedClock
 from executive.events.site import SurveyRegistered
 from executive.events.stone import GraspRecord, StoneReleased
 from executive.interfaces.oracle import Witness
+from executive.interfaces.truth import TrueStructure, Truth
 from executive.messages.cloud import Cloud
 from executive.messages.stone import StoneState
 from executive.messages.stone_event import StoneEvent
+from executive.messages.structure import Structure
 from executive.mission import truth as truth_module
 from executive.mission.picks import Pick, Try
 from executive.mission.truth import truth_of, witness_of
+from executive.testing.blank import blank
 
 ROBOT = object()
 
@@ -119,6 +122,60 @@ def test_a_survey_is_laid_over_the_map_with_its_scale_as_it_was_last_accepted(se
     truth_of(ROBOT, "toy", mission(registered=found), [])
     truth_of(ROBOT, "toy", mission(survey=survey), [])
     assert [view.registered_survey for view in seen[1:]] == [None, None]
+
+
+WALL, CAIRN = (Structure(name, np.zeros((1, 2)), 1.0, 1.0) for name in ("wall", "cairn"))
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """The structures that a judge was handed, by its name; it finds that each drifts by 1 cm."""
+    found = {"wall": SimpleNamespace(standing=("a stone",)), "cairn": SimpleNamespace(standing=())}
+    asked = []
+
+    def oracle(robot):
+        names = lambda view: tuple(TrueStructure(one.name, (), ()) for one in view.structures)
+        return SimpleNamespace(
+            truth=lambda view: blank(Truth, structures=names(view)),
+            as_built=lambda structure: found[structure.name],
+        )
+
+    def verdict_of(built, name):
+        asked.append((built, name))
+        return {"drift_20s_m": 0.01}
+
+    monkeypatch.setattr(registry, "load", lambda group, name: oracle)
+    monkeypatch.setattr(truth_module, "verdict_of", verdict_of)
+    return asked, found
+
+
+def test_a_judge_is_handed_what_really_stands_and_nothing_where_no_stone_does(judged):
+    asked, found = judged
+    truth = truth_of(ROBOT, "toy", mission(), [], (WALL, CAIRN), "rigid_stones")
+    assert asked == [(found["wall"], "rigid_stones")]
+    verdicts = {one.name: dict(one.verdict) for one in truth.structures}
+    assert verdicts == {"wall": {"drift_20s_m": 0.01}, "cairn": {}}
+
+
+def test_without_a_judge_or_an_oracle_that_knows_the_stones_there_is_no_verdict(judged):
+    asked, found = judged
+    truth = truth_of(ROBOT, "toy", mission(), [], (WALL,), registry.NO_JUDGE)
+    found["wall"] = None
+    also = truth_of(ROBOT, "toy", mission(), [], (WALL,), "rigid_stones")
+    assert asked == []
+    assert [dict(one.verdict) for one in (*truth.structures, *also.structures)] == [{}, {}]
+
+
+def test_a_judge_that_fails_costs_its_verdict_and_no_more(judged, monkeypatch, caplog):
+    def fails(built, name):
+        raise RuntimeError("no contact")
+
+    monkeypatch.setattr(truth_module, "verdict_of", fails)
+    judged[1]["wall"].structure = WALL
+    (found,) = truth_of(ROBOT, "toy", mission(), [], (WALL,), "strict").structures
+    assert dict(found.verdict) == {}
+    assert "the judge 'strict' gave no verdict on 'wall'" in caplog.text
+    assert "no contact" in caplog.text
 
 
 class Robot(Witness):

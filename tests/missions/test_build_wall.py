@@ -50,6 +50,11 @@ def test_stones_are_set_down_where_the_building_planner_wants_them(
     assert truth["collisions"] == []
     off = [one["slot_error_m"] for one in truth["stones"] if one["slot_error_m"] is not None]
     assert max(off) < 0.30
+    (standing,) = truth["structures"]
+    assert (standing["name"], len(standing["stones"])) == ("short wall", len(ended["standing"]))
+    assert max(standing["moved_m"]) < 0.10
+    assert standing["verdict"]["drift_20s_m"] < 0.05
+    assert 0.0 < standing["verdict"]["fill"] < 1.0
 
 
 def test_stones_that_are_all_too_heavy_end_it_without_a_wall(tmp_path, command_line, read_run):
@@ -60,6 +65,8 @@ def test_stones_that_are_all_too_heavy_end_it_without_a_wall(tmp_path, command_l
     (ended,) = finished.report["structures"]
     assert (ended["standing"], ended["refused"]) == ([], {"too_heavy": 3})
     assert finished.events("stone_grasped") == []
+    bare = {"name": "short wall", "stones": [], "moved_m": [], "verdict": {}}
+    assert finished.report["truth"]["structures"] == [bare]
     assert "it ended with all_too_heavy" in answer.err
 
 

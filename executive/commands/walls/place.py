@@ -49,11 +49,12 @@ def place(  # noqa: PLR0913 - the options of the command line, each a parameter 
 
     Example: executive place scans/ wall.yaml --pictures out/ --out wall.json
     """
+    from executive import registry
     from executive.commands.walls.construction import answer_of
-    from executive.commands.walls.judging import judges, verdict_of
+    from executive.mission.judging import verdict_of
 
     check_output("--out", out, ".json")
-    one_of("--judge", judge, ("none", *judges()))
+    one_of("--judge", judge, (registry.NO_JUDGE, *registry.names(registry.JUDGES)))
     if pictures:
         require_extra("--pictures", "viewing")
         if not pictures.is_dir():
@@ -63,7 +64,7 @@ def place(  # noqa: PLR0913 - the options of the command line, each a parameter 
     say(f"ended: {trial.reason}; {len(trial.placed)} stones, {answered['right']} where planned")
     if trial.last and trial.last.detail:
         say(f"  {trial.last.detail}")
-    if judge != "none" and trial.placed:
+    if judge != registry.NO_JUDGE and trial.placed:
         answered["verdict"] = dict(verdict_of(trial.built, judge))
         say(
             "\n".join(f"  {name:26} {_short(value)}" for name, value in answered["verdict"].items())

@@ -1,12 +1,13 @@
 """The truth about a simulated run: poses of stones, collisions, and errors of estimates."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from executive_plugins.robot.mujoco.machine.legs import Legs
 from executive_plugins.robot.mujoco.robot import MujocoRobot
 from executive_plugins.robot.mujoco.site.terrain import TERRAIN
 from executive_plugins.robot.mujoco.truth.contact_log import Span
+from executive_plugins.robot.mujoco.truth.standing import as_built, stones_over
 from executive_plugins.robot.mujoco.truth.surface import TrueSurface
 from executive_plugins.robot.mujoco.truth.touching import touching
 from executive_plugins.robot.mujoco.truth.tracking import Tracking
@@ -29,10 +30,13 @@ from executive.interfaces.truth import (
     Stance,
     TrueGrasp,
     TrueStone,
+    TrueStructure,
     Truth,
 )
 from executive.messages.base_state import BaseState
+from executive.messages.building import AsBuilt
 from executive.messages.cloud import Cloud
+from executive.messages.structure import Structure
 
 _LIFTED_M = 0.15  # rise from which a stone counts as lifted
 _DROPPED_M = 0.15  # fall from which a stone counts as dropped; releases are lower
@@ -62,6 +66,7 @@ class MujocoOracle(Oracle):
         """
         tracking = Tracking(self._log, view.histories or {})
         targets = [(attempt.started_s, self._nearest(attempt)) for attempt in view.attempts]
+        left_s = {i: one.ended_s for one, (_, i) in zip(view.attempts, targets, strict=True)}
         spans = self._log.spans()
         return Truth(
             scenario=self._scenario,
@@ -82,6 +87,26 @@ class MujocoOracle(Oracle):
             map=self._map(view.map_cloud),
             registration=self._registration(view.registered_survey),
             limits=self._limits.found(),
+            structures=tuple(self._structure(one, left_s) for one in view.structures),
+        )
+
+    def as_built(self, structure: Structure) -> AsBuilt | None:
+        """Return a structure with the stones whose middles are over its foot at the end."""
+        return as_built(structure, self._site, self._at_end())
+
+    def _structure(self, structure: Structure, left_s: Mapping[int, float]) -> TrueStructure:
+        """Return the stones that stand, and how far they moved since they were left alone [s]."""
+        at_end = self._at_end()
+        stones = stones_over(structure, at_end)
+        moved = [
+            at_end[i][:3, 3] - self._log.T_world_stone(i, left_s[i])[:3, 3]
+            for i in stones
+            if i in left_s
+        ]
+        return TrueStructure(
+            name=structure.name,
+            stones=tuple(i + 1 for i in stones),
+            moved_m=tuple(float(np.linalg.norm(one)) for one in moved),
         )
 
     def _map(self, cloud: Cloud | None) -> Nothing | MapErrors:

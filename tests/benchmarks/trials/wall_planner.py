@@ -19,7 +19,6 @@ from scipy.spatial.transform import Rotation
 
 from executive.clouds.meshes.reader import mesh_of
 from executive.commands.walls.construction import Trial, TrialRules, answer_of, build
-from executive.commands.walls.judging import verdict_of
 from executive.errors import ConfigError
 from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import pose
@@ -28,6 +27,7 @@ from executive.messages.building import AsBuilt, BuildPlan, BuildTarget
 from executive.messages.height_grid import HeightGrid
 from executive.messages.solid_stone import SolidStone
 from executive.messages.structure import Structure
+from executive.mission.judging import verdict_of
 from trials.known_stones_planner import KnownStonesPlanner, as_it_lies
 
 SCALE, DENSITY_KG_M3 = 8.0, 2600.0

@@ -265,6 +265,9 @@ OF_EXAMPLES = {"as_named", "false_success"}  # see test_example_metrics.py
 OF_STRUCTURES = {  # see test_structure_metrics.py
     "stones_built", "built_as_planned", "built_error_m", "built_error_rad", "standing_error_m",
     "structure_ended", "building_time", "building_time_p95",
+    "stones_standing", "standing_moved_m", "standing_fill", "standing_joints", "standing_drift_m",
+    "standing_pushed_m", "standing_tilt_across_rad", "standing_tilt_along_rad",
+    "standing_tilt_slippery_rad",
 }  # fmt: skip
 
 
@@ -289,10 +292,13 @@ def test_a_metric_is_what_its_definition_says(name: str) -> None:
 GOOD = {
     "as_named", "built_as_planned", "drops_found", "faults_noticed", "first_attempt", "held",
     "lifted", "placed", "real_time_factor", "realigned", "registered", "registrations",
-    "stones_built", "stones_known", "structure_ended", "success", "within_three",
+    "standing_fill", "standing_tilt_across_rad", "standing_tilt_along_rad",
+    "standing_tilt_slippery_rad", "stones_built", "stones_known", "stones_standing",
+    "structure_ended", "success", "within_three",
 }  # fmt: skip
 COUNTED = {"attempts", "collisions", "drops_missed", "ghosts", "plugin_failures", "slips",
-          "stones_built", "cpu_per_simulated_second", "real_time_factor"}  # fmt: skip
+          "standing_fill", "standing_joints", "stones_built", "stones_standing",
+          "cpu_per_simulated_second", "real_time_factor"}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", registry.names(METRICS))

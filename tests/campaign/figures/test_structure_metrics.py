@@ -14,7 +14,7 @@ from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.interfaces.metric import RunRecord, Share, TimedEvent, Values
 from executive.interfaces.report import MissionReport, Timing
-from executive.interfaces.truth import TrueStone, Truth
+from executive.interfaces.truth import TrueStone, TrueStructure, Truth
 from executive.testing.blank import blank
 
 METRICS = "metric"
@@ -155,3 +155,43 @@ def test_a_mission_that_builds_nothing_has_no_value() -> None:
     names = [name for name, home in homes.items() if home.endswith(".structures")]
     assert len(names) == 8
     assert {measured(name, [released(1), seen(1, 0.0)]) for name in names} == {None}
+
+
+VERDICT = {
+    "fill": 0.4, "running_joints": 0.25, "drift_20s_m": 0.01, "pushed_m": 0.02,
+    "tilt_across_deg": 10.0, "tilt_along_deg": 15.0, "tilt_across_slippery_deg": 5.0,
+}  # fmt: skip
+JUDGED = {
+    "standing_fill": 0.4,
+    "standing_joints": 0.25,
+    "standing_drift_m": 0.01,
+    "standing_pushed_m": 0.02,
+    "standing_tilt_across_rad": math.radians(10.0),
+    "standing_tilt_along_rad": math.radians(15.0),
+    "standing_tilt_slippery_rad": math.radians(5.0),
+}
+
+
+def truly(*structures: TrueStructure) -> Truth:
+    return blank(Truth, structures=structures)
+
+
+@pytest.mark.parametrize("name", JUDGED)
+def test_a_judges_figure_is_told_of_each_structure_that_has_one(name: str) -> None:
+    judged = TrueStructure("wall", (1, 2), (), VERDICT)
+    open_ended = TrueStructure("row", (3,), (), dict.fromkeys(VERDICT))
+    empty = TrueStructure("cairn", (), ())
+    found = measured(name, [], truth=truly(judged, open_ended, empty))
+    assert found == Values((pytest.approx(JUDGED[name]),))
+    assert measured(name, [], truth=truly(open_ended)) == Values(())
+    for truth in (None, truly(), truly(empty)):
+        assert measured(name, [], truth=truth) is None
+
+
+def test_what_stands_and_what_has_moved_is_told_by_the_truth() -> None:
+    truth = truly(TrueStructure("wall", (1, 2), (0.01, 0.3)), TrueStructure("row", (), ()))
+    assert measured("stones_standing", [], truth=truth) == Values((2.0, 0.0))
+    assert measured("standing_moved_m", [], truth=truth) == Values((0.01, 0.3))
+    for none in (None, truly()):
+        assert measured("stones_standing", [], truth=none) is None
+        assert measured("standing_moved_m", [], truth=none) is None

@@ -30,6 +30,7 @@ from executive.interfaces.truth import (
     PositionErrors,
     Stance,
     TrueStone,
+    TrueStructure,
     Truth,
 )
 from executive.mission.picks import attempts_from, newest_releases
@@ -125,6 +126,15 @@ def test_summaries(recorded) -> None:
         report(truth=blank(Truth)),
         report(truth=blank(Truth, scenario="nominal", stance=Stance(0.02, 0.4))),
         report(truth=dataclasses.replace(truth, collisions=None)),
+        report(
+            truth=blank(
+                Truth,
+                structures=(
+                    TrueStructure("wall", (1, 4), (0.001, 0.25), {"fill": 0.4, "joints": None}),
+                    TrueStructure("row", (), ()),
+                ),
+            )
+        ),
         report(
             counts=all_counts,
             structures=(

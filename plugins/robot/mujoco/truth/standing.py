@@ -1,0 +1,55 @@
+"""Which stones really stand in a structure, as a judge is handed them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from executive_plugins.robot.mujoco.site.site import Site
+from executive_plugins.robot.mujoco.site.terrain import Terrain
+
+from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
+from executive.messages.building import AsBuilt, StandingStone
+from executive.messages.height_grid import HeightGrid
+from executive.messages.solid_stone import SolidStone
+from executive.messages.structure import Structure
+
+_AROUND_M = 2.0  # of ground around a structure
+_CELL_M = 0.1
+
+
+def stones_over(structure: Structure, poses: Sequence[Float]) -> list[int]:
+    """Return the indices of the stones whose middles are over the foot of a structure.
+
+    Args:
+        structure: What was to be built.
+        poses: Pose of each stone of the site, (4, 4) each.
+    """
+    if not poses:
+        return []
+    middles = np.array([T[:2, 3] for T in poses])
+    return np.flatnonzero(structure.depth_m(middles, np.zeros(len(poses))) >= 0.0).tolist()
+
+
+def as_built(structure: Structure, site: Site, poses: Sequence[Float]) -> AsBuilt:
+    """Return a structure with the stones that stand in it, lowest first, on the site's ground.
+
+    A stone has the shape by which it touches, the convex hull of its skin, and the mass of its
+    skin.
+    """
+    standing = []
+    for i in stones_over(structure, poses):
+        model = site.stones[i]
+        corners, triangles = hull_mesh(model.hull)
+        solid = SolidStone(model.name, corners, triangles, model.mass_kg)
+        standing.append(StandingStone(solid, poses[i]))
+    standing.sort(key=lambda one: float(one.T_map_stone[2, 3]))
+    return AsBuilt(structure, _ground(structure, site.terrain), tuple(standing))
+
+
+def _ground(structure: Structure, terrain: Terrain) -> HeightGrid:
+    low, high = structure.bounds()
+    corner = low - _AROUND_M
+    counts = np.ceil((high + _AROUND_M - corner) / _CELL_M).astype(int) + 1
+    x, y = (corner[k] + _CELL_M * np.arange(counts[k]) for k in (0, 1))
+    nodes = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    return HeightGrid(corner, _CELL_M, terrain.height_at(nodes).reshape(counts))
