@@ -11,6 +11,7 @@ from executive.events.event import plain
 from executive.geometry.pose import pose
 from executive.geometry.rotation import about_axis
 from executive.interfaces.oracle import Attempt, MissionView
+from executive.messages.structure import Structure
 
 UP = np.array([0.0, 0.0, 1.0])
 SILENT = {"states": (), "stones": (), "slots": {}, "attempts": ()}
@@ -162,6 +163,33 @@ def test_estimates_are_held_against_the_cabin_at_their_own_time(monkeypatch) -> 
     )
     assert told["error_rad"] == pytest.approx({"mean": 0.02, "std": 0.01, "max": 0.03})
     assert verdicts(Log(), monkeypatch, states=states[2:])["estimate"] == {}
+
+
+class MovingLog(Log):
+    """The first stone stands still in a wall but for 0.1 m at 50 s; the second is beside it."""
+
+    def T_world_stone(self, stone: int, time_s: float) -> np.ndarray:
+        x_m = (1.0 if time_s < 50.0 else 1.1) if stone == 0 else 5.0
+        return pose(t=np.array([x_m, 0.0, 0.3]))
+
+
+@pytest.mark.parametrize(("ended_s", "moved_m"), [((20.0,), 0.1), ((20.0, 60.0), 0.0)])
+def test_a_stone_of_a_structure_moves_from_where_the_newest_attempt_left_it(
+    monkeypatch, ended_s: tuple[float, ...], moved_m: float
+) -> None:
+    wall = Structure("wall", np.array([[0.0, 0.0], [2.0, 0.0]]), 1.0, 1.0)
+    attempts = [attempt(one - 10.0, one) for one in ended_s]
+    (found,) = verdicts(MovingLog([0.3], [1.0]), monkeypatch, attempts=attempts, structures=[wall])[
+        "structures"
+    ]
+    assert (found["name"], found["stones"], found["verdict"]) == ("wall", [1], {})
+    assert found["moved_m"] == [pytest.approx(moved_m)]
+
+
+def test_a_stone_that_was_never_picked_counts_as_standing_and_not_as_moved(monkeypatch) -> None:
+    wall = Structure("wall", np.array([[0.0, 0.0], [2.0, 0.0]]), 1.0, 1.0)
+    (found,) = verdicts(MovingLog(), monkeypatch, structures=[wall])["structures"]
+    assert (found["stones"], found["moved_m"]) == ([1], [])
 
 
 def test_a_machine_that_is_welded_has_no_stance(monkeypatch) -> None:
