@@ -1,6 +1,6 @@
 """Draw the structure that a run of `build_wall` has built, stone by stone, for `walls.md`.
 
-    executive run build_wall --seed 15106 --run-dir runs/wall
+    executive run build_wall --seed 15112 --run-dir runs/wall
     python docs/wall_pictures.py runs/wall docs/images/wall_mission
 
 Each picture has one stone more, coloured; all of them stand as the machine saw them at the end.
@@ -14,16 +14,12 @@ import numpy as np
 from executive_plugins.objects.settings import SqliteObjectsSettings
 from executive_plugins.objects.sqlite import SqliteObjects
 
-from executive.behaviours.describe_structure import DescribeStructure
 from executive.commands.walls.pictures import draw
 from executive.events.site import BuildingEnded
 from executive.journal import read_journal
 from executive.leaf.solid_stones import solid_stones
 from executive.messages.building import AsBuilt
 from executive.messages.height_grid import HeightGrid
-from executive.messages.structure import Structure
-from executive.tree.load import load_mission
-from executive.tree.traversal import uses_of
 
 
 def main(words: Sequence[str]) -> int:
@@ -43,8 +39,8 @@ def as_built(run: Path) -> AsBuilt:
     """Return the structure of a run, its stones in the order in which they were placed."""
     ended = [entry.event for entry in read_journal(run / "journal.jsonl")
              if isinstance(entry.event, BuildingEnded)]  # fmt: skip
-    if not ended:
-        raise SystemExit(f"{run}: no structure was ended in this run")
+    if not ended or ended[-1].shape is None:
+        raise SystemExit(f"{run}: no structure whose shape is known was ended in this run")
     objects = SqliteObjects(SqliteObjectsSettings())
     objects.open(str(run / "objects.sqlite"), read_only=True)
     try:
@@ -53,19 +49,10 @@ def as_built(run: Path) -> AsBuilt:
         solids = solid_stones(stones, np.zeros((0, 3)), objects)
     finally:
         objects.close()
-    structure = structure_of(run)
+    structure = ended[-1].shape
     low, high = structure.bounds()
     ground = HeightGrid.plane(low - 2.0, high + 2.0)
     return AsBuilt(structure, ground, tuple(solids.values()))
-
-
-def structure_of(run: Path) -> Structure:
-    """Return what the run's mission describes."""
-    mission = load_mission(str(run / "mission.yaml"))
-    uses = (use for tree in mission.trees.values() for node in tree.root.walk()
-            for use in uses_of(node))  # fmt: skip
-    described = next(use.settings for use in uses if use.leaf is DescribeStructure)
-    return described.shaped(described.label)
 
 
 def _placed_s(objects: SqliteObjects, stone: int) -> float:
