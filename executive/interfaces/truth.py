@@ -73,6 +73,7 @@ class TrueStructure:
     Attributes:
         name: Its name.
         stones: Numbers on the site of the stones whose middles are over its foot.
+        T_map_stones: Their poses, shape (4, 4) each; the origin of a stone is its centre.
         moved_m: How far each of these that was ever picked has moved since the end of the newest
             attempt at it [m].
         verdict: What a judge says of it, by name; None for what does not apply. Empty without a
@@ -81,6 +82,7 @@ class TrueStructure:
 
     name: str
     stones: tuple[int, ...]
+    T_map_stones: tuple[Float, ...]
     moved_m: tuple[float, ...]
     verdict: Mapping[str, float | None] = field(default_factory=dict)
 

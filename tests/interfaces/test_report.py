@@ -90,6 +90,7 @@ TRUTH = {
         {
             "name": "wall",
             "stones": [1, 2],
+            "T_map_stones": [POSE, POSE],
             "moved_m": [0.01],
             "verdict": {"fill": 0.3, "running_joints": None},
         }

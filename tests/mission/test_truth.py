@@ -134,7 +134,7 @@ def judged(monkeypatch):
     asked = []
 
     def oracle(robot):
-        names = lambda view: tuple(TrueStructure(one.name, (), ()) for one in view.structures)
+        names = lambda view: tuple(TrueStructure(one.name, (), (), ()) for one in view.structures)
         return SimpleNamespace(
             truth=lambda view: blank(Truth, structures=names(view)),
             as_built=lambda structure: found[structure.name],

@@ -65,7 +65,7 @@ def test_stones_that_are_all_too_heavy_end_it_without_a_wall(tmp_path, command_l
     (ended,) = finished.report["structures"]
     assert (ended["standing"], ended["refused"]) == ([], {"too_heavy": 3})
     assert finished.events("stone_grasped") == []
-    bare = {"name": "short wall", "stones": [], "moved_m": [], "verdict": {}}
+    bare = {"name": "short wall", "stones": [], "T_map_stones": [], "moved_m": [], "verdict": {}}
     assert finished.report["truth"]["structures"] == [bare]
     assert "it ended with all_too_heavy" in answer.err
 

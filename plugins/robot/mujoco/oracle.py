@@ -106,6 +106,7 @@ class MujocoOracle(Oracle):
         return TrueStructure(
             name=structure.name,
             stones=tuple(i + 1 for i in stones),
+            T_map_stones=tuple(at_end[i] for i in stones),
             moved_m=tuple(float(np.linalg.norm(one)) for one in moved),
         )
 

@@ -178,9 +178,9 @@ def truly(*structures: TrueStructure) -> Truth:
 
 @pytest.mark.parametrize("name", JUDGED)
 def test_a_judges_figure_is_told_of_each_structure_that_has_one(name: str) -> None:
-    judged = TrueStructure("wall", (1, 2), (), VERDICT)
-    open_ended = TrueStructure("row", (3,), (), dict.fromkeys(VERDICT))
-    empty = TrueStructure("cairn", (), ())
+    judged = TrueStructure("wall", (1, 2), (), (), VERDICT)
+    open_ended = TrueStructure("row", (3,), (), (), dict.fromkeys(VERDICT))
+    empty = TrueStructure("cairn", (), (), ())
     found = measured(name, [], truth=truly(judged, open_ended, empty))
     assert found == Values((pytest.approx(JUDGED[name]),))
     assert measured(name, [], truth=truly(open_ended)) == Values(())
@@ -189,7 +189,7 @@ def test_a_judges_figure_is_told_of_each_structure_that_has_one(name: str) -> No
 
 
 def test_what_stands_and_what_has_moved_is_told_by_the_truth() -> None:
-    truth = truly(TrueStructure("wall", (1, 2), (0.01, 0.3)), TrueStructure("row", (), ()))
+    truth = truly(TrueStructure("wall", (1, 2), (), (0.01, 0.3)), TrueStructure("row", (), (), ()))
     assert measured("stones_standing", [], truth=truth) == Values((2.0, 0.0))
     assert measured("standing_moved_m", [], truth=truth) == Values((0.01, 0.3))
     for none in (None, truly()):

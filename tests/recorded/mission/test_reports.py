@@ -130,8 +130,8 @@ def test_summaries(recorded) -> None:
             truth=blank(
                 Truth,
                 structures=(
-                    TrueStructure("wall", (1, 4), (0.001, 0.25), {"fill": 0.4, "joints": None}),
-                    TrueStructure("row", (), ()),
+                    TrueStructure("wall", (1, 4), (), (0.001, 0.25), {"fill": 0.4, "joints": None}),
+                    TrueStructure("row", (), (), ()),
                 ),
             )
         ),

@@ -184,6 +184,7 @@ def test_a_stone_of_a_structure_moves_from_where_the_newest_attempt_left_it(
     ]
     assert (found["name"], found["stones"], found["verdict"]) == ("wall", [1], {})
     assert found["moved_m"] == [pytest.approx(moved_m)]
+    assert found["T_map_stones"] == [pose(t=np.array([1.1, 0.0, 0.3])).tolist()]
 
 
 def test_a_stone_that_was_never_picked_counts_as_standing_and_not_as_moved(monkeypatch) -> None:
