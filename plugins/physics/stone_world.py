@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from executive_plugins.physics.contact import apply_contact
 from executive_plugins.physics.convex_pieces import convex_pieces
-from executive_plugins.physics.surface import round_patch, uniform
+from executive_plugins.physics.surface import ContactModel, round_patch, uniform
 
 from executive.arrays import Float
 from executive.geometry.rotation import quaternion_wxyz
@@ -40,12 +40,15 @@ class WorldRules:
         friction: Coefficient of friction of all contacts.
         pieces: Number of convex pieces of each stone.
         impratio: Stiffness of friction over that of normal forces.
+        dent_m: Radius of the dent that a stone presses into the ground [m]; without any the ground
+            is as hard as a stone.
     """
 
     step_s: float = 0.004
     friction: float = 0.65
     pieces: int = 10
     impratio: float = 50.0
+    dent_m: float = 0.0
 
 
 class StoneWorld:
@@ -66,8 +69,7 @@ class StoneWorld:
         _add_ground(spec, ground)
         for number, (standing, is_fixed) in enumerate(zip(stones, held, strict=True)):
             _add_stone(spec, f"stone_{number}", standing, is_fixed, self.rules.pieces)
-        surface = round_patch(self.rules.friction, _ASPERITY_M, _ROLLING_M)
-        apply_contact(spec, uniform(surface, self.rules.impratio))
+        apply_contact(spec, _contact(self.rules))
         self.model: mujoco.MjModel = spec.compile()
         self.data: mujoco.MjData = mujoco.MjData(self.model)
         self._free = [number for number, is_fixed in enumerate(held) if not is_fixed]
@@ -149,6 +151,15 @@ class StoneWorld:
         return tuple(
             StandingStone(one.stone, self.pose_of(number)) for number, one in enumerate(stones)
         )
+
+
+def _contact(rules: WorldRules) -> ContactModel:
+    """Return stone on stone, and stone on the ground, which rolls once half of the dent bears."""
+    stone = round_patch(rules.friction, _ASPERITY_M, _ROLLING_M)
+    if not rules.dent_m:
+        return uniform(stone, rules.impratio)
+    ground = round_patch(rules.friction, rules.dent_m, 4.0 * rules.dent_m / (3.0 * np.pi))
+    return ContactModel(stone, ground, stone, rules.impratio)
 
 
 def world_of(built: AsBuilt, rules: WorldRules) -> StoneWorld:

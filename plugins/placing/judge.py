@@ -15,8 +15,10 @@ from executive_plugins.placing.stability_trials import StabilityTrials
 from executive.interfaces.trial_site import StructureJudge
 from executive.messages.building import AsBuilt, StandingStone
 
-_RULES = WorldRules(step_s=0.0025, friction=0.7, pieces=24)
-_SLIPPERY = WorldRules(step_s=0.0025, friction=0.5, pieces=24)
+# The dent of a stone in the ground is half as wide as in the firm soil of missions, a guess there.
+_DENT_M = 0.05
+_RULES = WorldRules(step_s=0.0025, friction=0.7, pieces=24, dent_m=_DENT_M)
+_SLIPPERY = WorldRules(step_s=0.0025, friction=0.5, pieces=24, dent_m=_DENT_M)
 _DRIFT_S = 20.0
 # Stones are in one course within this; a joint is covered this far to each side [m].
 _LEVEL_M, _COVER_M = 0.3, 0.1

@@ -5,10 +5,12 @@ import pytest
 from executive_plugins.physics.stone_world import StoneWorld, WorldRules, world_of
 
 from executive.arrays import Float
+from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import pose
 from executive.geometry.rotation import from_rpy
 from executive.messages.building import StandingStone
 from executive.messages.height_grid import HeightGrid
+from executive.messages.solid_stone import SolidStone
 from executive.testing.exercises.building import bare, box
 
 RULES = WorldRules(step_s=0.005, pieces=1)
@@ -147,3 +149,19 @@ def test_a_heavier_stone_has_the_mass_and_inertia_of_its_shape() -> None:
     assert float(body.mass[0]) == pytest.approx(stone.mass_kg)
     expected = stone.mass_kg / 12 * np.array([0.4**2 + 0.2**2, 0.8**2 + 0.2**2, 0.8**2 + 0.4**2])
     np.testing.assert_allclose(np.sort(body.inertia), np.sort(expected), rtol=0.02)
+
+
+@pytest.mark.parametrize(("dent_m", "rolls"), [(0.0, True), (0.05, False)])
+def test_a_round_stone_rolls_down_a_gentle_slope_unless_the_ground_gives_way(
+    dent_m: float, rolls: bool
+) -> None:
+    """The dent of 5 cm holds a stone of 0.4 m radius up to a slope of 4 a / (3 π r), or 3°."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 240, endpoint=False)
+    rim = 0.4 * np.column_stack([np.cos(angles), np.zeros(240), np.sin(angles)])
+    corners, triangles = hull_mesh(np.vstack([rim + [0.0, y, 0.0] for y in (-0.3, 0.3)]))
+    wheel = StandingStone(SolidStone("wheel", corners, triangles, 700.0), pose(t=[0.0, 0.0, 0.401]))
+    slope = HeightGrid.plane(np.array([-5.0, -5.0]), np.array([5.0, 5.0]), np.radians(2.0))
+    rules = WorldRules(friction=0.7, pieces=1, dent_m=dent_m)
+    world = StoneWorld(slope, [wheel], None, rules)
+    world.step(500)
+    assert (float(np.abs(places(world, 1)[0, 0])) > 0.2) is rolls

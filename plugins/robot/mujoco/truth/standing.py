@@ -14,7 +14,6 @@ from executive.messages.solid_stone import SolidStone
 from executive.messages.structure import Structure
 
 _AROUND_M = 2.0  # of ground around a structure
-_CELL_M = 0.1
 
 
 def stones_over(structure: Structure, poses: Sequence[Float]) -> list[int]:
@@ -47,9 +46,10 @@ def as_built(structure: Structure, site: Site, poses: Sequence[Float]) -> AsBuil
 
 
 def _ground(structure: Structure, terrain: Terrain) -> HeightGrid:
+    """Return the terrain around a structure by its own nodes: other ones make other facets."""
     low, high = structure.bounds()
-    corner = low - _AROUND_M
-    counts = np.ceil((high + _AROUND_M - corner) / _CELL_M).astype(int) + 1
-    x, y = (corner[k] + _CELL_M * np.arange(counts[k]) for k in (0, 1))
-    nodes = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    return HeightGrid(corner, _CELL_M, terrain.height_at(nodes).reshape(counts))
+    nodes = terrain.coordinates_m
+    first = np.maximum(np.searchsorted(nodes, low - _AROUND_M, side="right") - 1, 0)
+    last = np.minimum(np.searchsorted(nodes, high + _AROUND_M), len(nodes) - 1)
+    (x, y) = (slice(a, b + 1) for a, b in zip(first, last, strict=True))
+    return HeightGrid(nodes[first], float(nodes[1] - nodes[0]), terrain.heights_m[x, y])

@@ -45,8 +45,17 @@ def test_the_judge_gets_the_shapes_that_touch_with_the_masses_of_the_skins(site)
     assert lowest.vertices_map()[:, 2].min() == pytest.approx(0.1)
 
 
-def test_the_ground_is_that_of_the_site_two_metres_around_the_structure(site) -> None:
+def test_the_ground_has_the_nodes_of_the_site_two_metres_around_the_structure(site) -> None:
     ground = as_built(WALL, site, []).ground
     there = np.array([[-3.0, 6.0], [0.0, 6.0], [4.9, 8.5]])
     assert ground.at(there) == pytest.approx(0.1 * there[:, 0])
-    assert ground.corner.tolist() == pytest.approx([-5.65, 3.35])
+    assert ground.corner.tolist() == pytest.approx([-5.7, 3.3])
+    assert ground.cell_m == pytest.approx(0.1)
+    assert ground.heights.shape == (115, 55)
+
+
+def test_ground_ends_where_the_site_does(site) -> None:
+    far = Structure("far", np.array([[9.0, 9.0], [9.5, 9.0]]), 1.0, 1.0)
+    ground = as_built(far, site, []).ground
+    assert ground.corner.tolist() == pytest.approx([6.5, 6.5])
+    assert ground.heights.shape == (36, 36)
