@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from executive_plugins.robot.mujoco.site.site import Site
 from executive_plugins.robot.mujoco.site.terrain import Terrain
+from executive_plugins.robot.mujoco.truth.touching import touching
 
 from executive.arrays import Float
 from executive.geometry.hull_mesh import hull_mesh
@@ -32,17 +33,30 @@ def stones_over(structure: Structure, poses: Sequence[Float]) -> list[int]:
 def as_built(structure: Structure, site: Site, poses: Sequence[Float]) -> AsBuilt:
     """Return a structure with the stones that stand in it, lowest first, on the site's ground.
 
-    A stone has the shape by which it touches, the convex hull of its skin, and the mass of its
-    skin.
+    A stone beside the foot that one of them touches belongs to it: it may hold what leans on it. A
+    stone has the shape by which it touches, the convex hull of its skin, and the mass of its skin.
     """
     standing = []
-    for i in stones_over(structure, poses):
+    for i in _with_beside(stones_over(structure, poses), site, poses):
         model = site.stones[i]
         corners, triangles = hull_mesh(model.hull)
         solid = SolidStone(model.name, corners, triangles, model.mass_kg)
         standing.append(StandingStone(solid, poses[i]))
     standing.sort(key=lambda one: float(one.T_map_stone[2, 3]))
     return AsBuilt(structure, _ground(structure, site.terrain), tuple(standing))
+
+
+def _with_beside(stones: Sequence[int], site: Site, poses: Sequence[Float]) -> list[int]:
+    """Return stones, and all that touch one of them, directly or through others."""
+    if not stones:
+        return []
+    of_name = {one.name: i for i, one in enumerate(site.stones)}
+    touches = touching(site, poses)
+    found = list(stones)
+    for i in found:  # grows while it is gone through
+        beside = (of_name[name] for name in touches[i] if name in of_name)
+        found += [j for j in beside if j not in found]
+    return sorted(found)
 
 
 def _ground(structure: Structure, terrain: Terrain) -> HeightGrid:

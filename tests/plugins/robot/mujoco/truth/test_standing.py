@@ -45,6 +45,14 @@ def test_the_judge_gets_the_shapes_that_touch_with_the_masses_of_the_skins(site)
     assert lowest.vertices_map()[:, 2].min() == pytest.approx(0.1)
 
 
+def test_what_stands_beside_the_foot_and_touches_the_structure_belongs_to_it(site) -> None:
+    """The second stone leans on the first, the third on the second; neither is over the foot."""
+    built = as_built(WALL, site, [at(0.0, 6.0), at(0.0, 7.01), at(0.0, 8.02)])
+    assert {one.stone.name for one in built.standing} == {"stone_1", "stone_2", "stone_3"}
+    apart = as_built(WALL, site, [at(0.0, 6.0), at(0.0, 7.1), at(0.0, 8.2)])
+    assert [one.stone.name for one in apart.standing] == ["stone_1"]
+
+
 def test_the_ground_has_the_nodes_of_the_site_two_metres_around_the_structure(site) -> None:
     ground = as_built(WALL, site, []).ground
     there = np.array([[-3.0, 6.0], [0.0, 6.0], [4.9, 8.5]])
