@@ -204,7 +204,11 @@ def _standing_lines(structure: TrueStructure) -> list[str]:
         f" {moved:.2f} m at most since they were placed"
     ]
     told = [f"{name} {value:.2f}" for name, value in structure.verdict.items() if value is not None]
-    return [*lines, f"  judge      {', '.join(told)}"] if told else lines
+    if told:
+        lines.append(f"  judge      {', '.join(told)}")
+    elif structure.stones:
+        lines.append("  judge      no verdict; if there is a judge, log.txt tells why")
+    return lines
 
 
 def _minutes(seconds: float) -> str:

@@ -91,7 +91,7 @@ class MujocoOracle(Oracle):
         )
 
     def as_built(self, structure: Structure) -> AsBuilt | None:
-        """Return a structure with the stones whose middles are over its foot at the end."""
+        """Return a structure with the stones over its foot at the end, and those they touch."""
         return as_built(structure, self._site, self._at_end())
 
     def _structure(self, structure: Structure, left_s: Mapping[int, float]) -> TrueStructure:

@@ -132,6 +132,7 @@ def test_summaries(recorded) -> None:
                 structures=(
                     TrueStructure("wall", (1, 4), (), (0.001, 0.25), {"fill": 0.4, "joints": None}),
                     TrueStructure("row", (), (), ()),
+                    TrueStructure("ring", (3,), (), ()),
                 ),
             )
         ),

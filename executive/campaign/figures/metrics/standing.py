@@ -1,8 +1,8 @@
 """Metrics of what really stands of a structure: by the true poses, and by a judge of them."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Sequence
+from typing import ClassVar
 
 from executive.interfaces.metric import Metric, RunRecord, Values
 from executive.interfaces.truth import TrueStructure
@@ -44,20 +44,20 @@ class StandingMoved(Metric):
 
 
 class _Judged(Metric):
-    """A figure of the judge's verdict on each structure."""
+    """A figure of the judge's verdict on each structure.
 
-    @abstractmethod
-    def key(self) -> str:
-        """Return the figure's name in the verdict."""
+    Attributes:
+        key: The figure's name in the verdict.
+        scale: What turns the judge's figure into the metric's unit.
+    """
 
-    def scale(self) -> float:
-        """Return what turns the judge's figure into the metric's unit."""
-        return 1.0
+    key: ClassVar[str]
+    scale: ClassVar[float] = 1.0
 
     def measure(self, run: RunRecord) -> Values | None:
         verdicts = [one.verdict for one in _structures(run) if one.verdict]
-        known = [value for one in verdicts if (value := one.get(self.key())) is not None]
-        return Values(tuple(self.scale() * value for value in known)) if verdicts else None
+        known = [value for one in verdicts if (value := one.get(self.key)) is not None]
+        return Values(tuple(self.scale * value for value in known)) if verdicts else None
 
 
 class StandingFill(_Judged):
@@ -68,9 +68,7 @@ class StandingFill(_Judged):
         "Volume of the stones within the envelope of a structure over the envelope's; a stone is as"
         " large as the shape by which it touches." + _JUDGED
     )
-
-    def key(self) -> str:
-        return "fill"
+    key = "fill"
 
 
 class StandingJoints(_Judged):
@@ -82,9 +80,7 @@ class StandingJoints(_Judged):
         "Share of the joints between neighbouring stones, of those with a stone above, that no"
         " stone above covers by 0.10 m to each side." + _JUDGED
     )
-
-    def key(self) -> str:
-        return "running_joints"
+    key = "running_joints"
 
 
 class StandingDrift(_Judged):
@@ -97,9 +93,7 @@ class StandingDrift(_Judged):
         "Largest distance of a stone of a structure, 20 s later, from its pose at the end."
         + _JUDGED
     )
-
-    def key(self) -> str:
-        return "drift_20s_m"
+    key = "drift_20s_m"
 
 
 class StandingPushed(_Judged):
@@ -112,18 +106,14 @@ class StandingPushed(_Judged):
         "Largest distance by which a horizontal load of 0.2 of their weights for 0.3 s, across the"
         " structure, moves a stone of its top quarter." + _JUDGED
     )
-
-    def key(self) -> str:
-        return "pushed_m"
+    key = "pushed_m"
 
 
 class _Tilted(_Judged):
     """Tilt of the whole at which no stone has left its place yet."""
 
     unit = "rad"
-
-    def scale(self) -> float:
-        return math.radians(1.0)
+    scale = math.radians(1.0)
 
 
 class StandingTiltAcross(_Tilted):
@@ -134,9 +124,7 @@ class StandingTiltAcross(_Tilted):
         "Tilt of the ground across the structure, to the worse side and 20° at most, at which no"
         " stone has moved by 0.10 m." + _JUDGED
     )
-
-    def key(self) -> str:
-        return "tilt_across_deg"
+    key = "tilt_across_deg"
 
 
 class StandingTiltAlong(_Tilted):
@@ -147,9 +135,7 @@ class StandingTiltAlong(_Tilted):
         "Tilt of the ground along the structure, to the worse side and 20° at most, at which no"
         " stone has moved by 0.10 m." + _JUDGED
     )
-
-    def key(self) -> str:
-        return "tilt_along_deg"
+    key = "tilt_along_deg"
 
 
 class StandingTiltSlippery(_Tilted):
@@ -157,9 +143,7 @@ class StandingTiltSlippery(_Tilted):
 
     title = "tilt across that a structure withstands with friction 0.5"
     description = "As `standing_tilt_across_rad`, with a friction of 0.5 in place of 0.7." + _JUDGED
-
-    def key(self) -> str:
-        return "tilt_across_slippery_deg"
+    key = "tilt_across_slippery_deg"
 
 
 def _structures(run: RunRecord) -> Sequence[TrueStructure]:
