@@ -54,9 +54,10 @@ class CloseGripper(Action[CloseGripperSettings]):
 
     Mascaro et al. 2020, Sec. 4.5: the gripper's pose is stored with the stone, and a sphere of
     R_obj = 1 m is removed from the map, see `removal`. If the jaws press on the ground so hard that
-    they lift the machine, the gripper is raised before they go on. Jaws that have closed whole may
-    have met below a small stone, and are raised by 0.15 m to weigh whether a part of it hangs
-    within them. Without a monitor that weighs they hold nothing.
+    they lift the machine, the gripper is raised before they go on; while what they lift would tip a
+    machine that sways on its supports, they wait. Jaws that have closed whole may have met below a
+    small stone, and are raised by 0.15 m to weigh whether a part of it hangs within them. Without a
+    monitor that weighs they hold nothing.
     """
 
     needs = (Robot, MotionPlanner, ObjectDatabase, Mapper, Monitor)

@@ -20,7 +20,7 @@ class LightDrive:
     Attributes:
         angle_rad: Where the jaws rest [rad].
         is_whole: Whether they moved until they met their goal or a stone, and not the thrust.
-        told: What the thrust has made of the drive; empty if there was none.
+        told: What thrust and load have made of the drive; empty if there was none.
     """
 
     angle_rad: float
@@ -31,11 +31,12 @@ class LightDrive:
 def drive_lightly(
     context: Context, position_rad: float, force_n: float | None, stone: int
 ) -> Generator[Job[object] | None, object, LightDrive]:
-    """Drive the jaws, and raise the gripper whenever they press so hard that they lift the machine.
+    """Drive the jaws, so that they neither lift the machine nor take on a load at once.
 
     The tips of jaws that swing about their pivots come down on the way, deepest where the gripper
     is rolled, and press on the ground or on a stone that stands there with the force of the jaws.
-    The gripper is raised by as much in all, and by the depth to which teeth may be in soil.
+    The gripper is raised by as much in all, and by the depth to which teeth may be in soil. What
+    they lift as they close is taken on in steps where it would tip the machine as it sways on.
 
     Args:
         context: The leaf's view of the mission; it needs robot, motion, mapping and objects.
@@ -49,10 +50,14 @@ def drive_lightly(
     thrust, risen_m = Thrust(context), 0.0
     while True:
         thrust.begin_drive()
-        angle_rad = yield from drive_jaws(context, position_rad, force_n, thrust.is_too_much)
+        angle_rad = yield from drive_jaws(
+            context, position_rad, force_n, thrust.is_too_much, lambda: thrust.is_too_sudden
+        )
         if not thrust.was_too_much:
-            raised = _told(f"the gripper was raised by {risen_m:.2f} m") if risen_m else ""
-            return LightDrive(angle_rad, True, raised)
+            told = [_told(f"the gripper was raised by {risen_m:.2f} m")] if risen_m else []
+            if thrust.waited_s:
+                told.append(f"the jaws waited {thrust.waited_s:.1f} s, as they lifted a load")
+            return LightDrive(angle_rad, True, "; ".join(told))
         why = "raised as far as it may be"
         if risen_m < most_m:
             why = yield from raise_gripper(context, stone, _STEP_M)

@@ -6,6 +6,7 @@ import numpy as np
 
 from executive.arrays import Float
 from executive.leaf.context import Context
+from executive.leaf.sudden_load import SuddenLoad
 
 _TICKS = 3  # over which efforts are averaged: jaws vibrate as they come off a stone
 
@@ -23,6 +24,8 @@ class Thrust:
 
     Attributes:
         was_too_much: Whether it was at one of the looks of this drive of the jaws.
+        is_too_sudden: Whether what hangs in the jaws came on too suddenly at the last look.
+        waited_s: For how long it has been so at all looks [s].
     """
 
     def __init__(self, context: Context) -> None:
@@ -33,12 +36,17 @@ class Thrust:
         self._force = ToolForce(machine)
         self._moment = TippingMoment(machine) if machine.stance.supports_m else None
         self._begun, self._told = list[Float](), deque[Float](maxlen=_TICKS)
-        self.was_too_much = False
+        self._load = SuddenLoad(context)
+        self.was_too_much = self.is_too_sudden = False
+
+    @property
+    def waited_s(self) -> float:
+        return self._load.waited_s
 
     def begin_drive(self) -> None:
         """Forget the looks of the drive before, but for the efforts at first."""
         self._told.clear()
-        self.was_too_much = False
+        self.was_too_much = self.is_too_sudden = False
 
     def is_too_much(self) -> bool:
         """Look at the efforts once more, and return whether it is too much; ask at each tick."""
@@ -53,6 +61,7 @@ class Thrust:
             return False
         q, added = self._context.arm(), np.mean(self._told, axis=0) - np.mean(self._begun, axis=0)
         force_n = self._force.explaining(q, added)
+        self.is_too_sudden = self._load.is_too_sudden(self._context.now_s(), q, force_n)
         force_n[2] = max(force_n[2], 0.0)
         most_nm = self._share * self._moment.holding_nm(q, 0.0)
         is_too_much = bool((self._moment.tipping_nm(q, force_n) > most_nm).any())

@@ -11,11 +11,17 @@ from executive.messages.command import MoveJaws
 def jaws(fakes, stage):
     """Return what drives jaws that move as a function of time: where and when they rest."""
 
-    def drive(position, force_n=None, limit_s=10.0, stop_s=float("inf")):
+    def drive(position, force_n=None, limit_s=10.0, stop_s=float("inf"), wait_s=(0.0, 0.0)):
         robot = stage.Scripted(Robot)
         context = fakes.Context(robot=robot)
         context.jaw = position
-        steps = drive_jaws(context, 0.3, force_n, lambda: context.time_s > stop_s)
+        steps = drive_jaws(
+            context,
+            0.3,
+            force_n,
+            lambda: context.time_s > stop_s,
+            lambda: wait_s[0] < context.time_s < wait_s[1],
+        )
         try:
             while context.time_s < limit_s:
                 next(steps)
@@ -44,6 +50,14 @@ def test_jaws_that_have_to_stop_are_commanded_to_where_they_are(jaws):
     angle_rad, at_s, commands, _ = jaws(lambda time_s: 0.9 - 0.2 * min(time_s, 1.0), stop_s=1.0)
     assert [one.position_rad for one in commands] == [0.3, pytest.approx(0.7)]
     assert (angle_rad, at_s) == (pytest.approx(0.7), pytest.approx(1.55, abs=0.051))
+
+
+def test_jaws_that_have_to_wait_stay_where_they_are_and_go_on_then(jaws):
+    angle_rad, at_s, commands, _ = jaws(
+        lambda time_s: 0.9 - 0.2 * min(time_s, 1.0), wait_s=(1.0, 2.5)
+    )
+    assert [one.position_rad for one in commands] == [0.3, pytest.approx(0.7), 0.3]
+    assert (angle_rad, at_s) == (pytest.approx(0.7), pytest.approx(3.05, abs=0.11))
 
 
 def test_jaws_rest_a_window_after_they_have_stopped(jaws):

@@ -109,6 +109,22 @@ def test_jaws_that_press_little_or_bear_a_weight_go_on(world, push_n):
     assert (ended.status, ended.reason, raises(world)) == ("SUCCESS", "", 0)
 
 
+@pytest.mark.parametrize(("support_n_m", "waits"), [(2e6, True), (None, False)])
+def test_a_stone_that_jaws_lift_is_taken_on_in_steps_where_the_machine_sways(
+    world, support_n_m, waits
+):
+    """Held from its supports, 0.6 of what tips it comes to hang at once; half a sway is waited."""
+    context = world.leaf_context
+    stance = context.machine().stance.model_copy(update={"support_n_m": support_n_m})
+    context._machine = context.machine().model_copy(update={"stance": stance})
+    press(world, -0.8 * UP_N)
+    ended = world.tick(CloseGripper, stone=1)
+    assert ended.status == "SUCCESS"
+    jaws = [one.position_rad for one in commands(world) if isinstance(one, MoveJaws)]
+    assert jaws == ([0.0, 0.5, 0.0] if waits else [0.0])
+    assert ended.reason.startswith("the jaws waited 0." if waits else "")
+
+
 def test_a_robot_without_efforts_presses_on_nothing(world):
     world.leaf_context.pushed = lambda time_s: np.zeros(3)
     ended = world.tick(CloseGripper, stone=1)
