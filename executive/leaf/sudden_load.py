@@ -55,16 +55,29 @@ class SuddenLoad:
         if force_n[2] > 0.0:  # a thrust of what lies below, for which the gripper is raised
             share = np.zeros_like(share)
         self._seen.append((now_s, share))
-        period_s = self._sway.period_s(q, max(-force_n[2], 0.0) / GRAVITY_M_S2)
-        while now_s - self._seen[0][0] > period_s:
+        while now_s - self._seen[0][0] > SLOWEST_S:
             self._seen.popleft()
         if len(self._seen) < 2 or self.waited_s >= _LONGEST_S:
             return False
-        times_s, shares = np.array([at_s for at_s, _ in self._seen]), [one for _, one in self._seen]
-        # Nothing hung in the jaws before the first look, so that it adds nothing to the mean.
-        mean = np.diff(times_s) @ shares[1:] / period_s
-        ahead = share + _AHEAD * np.maximum(share - shares[-2], 0.0)
-        if not (2 * ahead - mean > 1.0 - _LEFT).any():
+        before_s, before = self._seen[-2]
+        ahead = share + _AHEAD * np.maximum(share - before, 0.0)
+        # The mean is at least the least share, or none: the period of the sway is seldom asked for.
+        least = np.minimum(np.min([one for _, one in self._seen], axis=0), 0.0)
+        if not self._is_much(ahead, least):
             return False
-        self.waited_s += times_s[-1] - times_s[-2]
+        period_s = self._sway.period_s(q, max(-force_n[2], 0.0) / GRAVITY_M_S2)
+        if not self._is_much(ahead, self._summed(now_s - period_s) / period_s):
+            return False
+        self.waited_s += now_s - before_s
         return True
+
+    def _summed(self, since_s: float) -> Float:
+        """Return the shares since a time, times how long they lasted [s], shape (K,)."""
+        late = [one for one in self._seen if one[0] >= since_s]
+        times_s, shares = np.array([at_s for at_s, _ in late]), np.array([one for _, one in late])
+        return np.asarray(np.diff(times_s) @ shares[1:])
+
+    @staticmethod
+    def _is_much(ahead: Float, mean: Float) -> bool:
+        """Return whether a load tips the machine, which sways about the mean of the last sway."""
+        return bool((2 * ahead - mean > 1.0 - _LEFT).any())
