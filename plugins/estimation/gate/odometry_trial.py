@@ -88,6 +88,14 @@ class OdometryTrial:
         elif not self.trusts and pair.stamp_s - self._since_s > self._trusted_after_s:
             self._exchange()
 
+    def give_way(self) -> bool:
+        """Report the estimate that uses no odometry; return whether the other one was reported."""
+        if not (self.trusts and self._is_witness):
+            return False
+        self._since_s, self._is_apart = self._pair.stamp_s, True
+        self._exchange()
+        return True
+
     def _exchange(self) -> None:
         self._pair.exchange()
         self.trusts = not self.trusts

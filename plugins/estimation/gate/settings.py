@@ -18,7 +18,7 @@ class GnssGateSettings(Settings):
         0.1,
         gt=0,
         le=5,
-        description="Largest drift of fixes against the odometry over the window [m].",
+        description="Largest drift of fixes and odometry apart over the window [m].",
     )
     recover_after: int = Field(
         5,
@@ -62,5 +62,6 @@ class GnssGateSettings(Settings):
         60.0,
         gt=0,
         le=3600,
-        description="Fixes refused for this time are used whatever the odometry measures [s].",
+        description="Fixes that were refused, or in doubt, for this time are used whatever the "
+        "odometry measures [s].",
     )

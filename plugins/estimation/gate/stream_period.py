@@ -13,11 +13,17 @@ class StreamPeriod:
     """The median of the newest intervals between stamps that increase.
 
     Attributes:
-        period_s: The usual time between two measurements [s]; 0 until there are two.
+        period_s: The usual time between two measurements [s]; 0 until there are two, or what was
+            given from the first one on.
     """
 
-    def __init__(self) -> None:
-        self.period_s = 0.0
+    def __init__(self, at_first_s: float = 0.0) -> None:
+        """Make one without measurements.
+
+        Args:
+            at_first_s: What is taken for the usual time after one measurement [s]; 0 for nothing.
+        """
+        self.period_s, self._at_first_s = 0.0, at_first_s
         self._newest_s = -math.inf
         self._intervals: deque[float] = deque(maxlen=_COUNT)
 
@@ -30,6 +36,8 @@ class StreamPeriod:
         if math.isfinite(since_s):
             self._intervals.append(since_s)
             self.period_s = median(self._intervals)
+        else:
+            self.period_s = self._at_first_s
 
     @property
     def overdue_after_s(self) -> float:

@@ -5,6 +5,8 @@ from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.stream_period import StreamPeriod
 from executive_plugins.estimation.graph.settings import SmootherSettings
 
+_SLOWEST_S = 1.0  # receivers send a fix a second or more: their period is not known at first
+
 
 class FixWatch:
     """Says after which time fixes are missing: those that come seldom are not missing.
@@ -17,7 +19,7 @@ class FixWatch:
     def __init__(self, settings: SmootherSettings, begin_s: float) -> None:
         self.used_s, self.used_way_m = begin_s, 0.0
         self._settings = settings
-        self._alarm, self._period = InnovationAlarm(3), StreamPeriod()
+        self._alarm, self._period = InnovationAlarm(3), StreamPeriod(_SLOWEST_S)
 
     def add(self, compared: Compared) -> None:
         """Take a fix, used or not, beside the estimate."""
@@ -35,8 +37,13 @@ class FixWatch:
         return self._alarm.is_raised
 
     @property
+    def period_s(self) -> float:
+        """Usual time between two fixes [s]."""
+        return self._period.period_s
+
+    @property
     def missing_after_s(self) -> float:
-        """Time without a fix after which some are missing [s]; 0 if that is not known."""
+        """Time without a fix after which some are missing [s]."""
         return self._period.missing_after_s
 
     @property

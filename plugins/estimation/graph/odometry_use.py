@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from executive_plugins.estimation.factors import between_factor
+from executive_plugins.estimation.gate.innovation_alarm import InnovationAlarm
 from executive_plugins.estimation.gate.measurements import Fix, Increment
 from executive_plugins.estimation.gate.odometry_trial import OdometryTrial, drift2
 from executive_plugins.estimation.graph.fix_comparison import compared
@@ -38,6 +39,7 @@ class OdometryUse:
         self.pair = WindowPair(window, self._noise)
         self._trial = OdometryTrial(self.pair, self._settings.gate.reanchor_after_s)
         self._newest_s, self._is_concluding = -np.inf, False
+        self._alarm, self._alarm_of = InnovationAlarm(3), window
 
     @property
     def is_trusted(self) -> bool:
@@ -54,7 +56,7 @@ class OdometryUse:
         """
         if fixes_hold:
             self._trial.begin()
-        else:
+        elif not self._holds_other():
             self.end_trial()
         user = self.pair.main if self._trial.trusts else self.pair.other
         if user is None or increment.from_s <= user.oldest_s:
@@ -91,17 +93,35 @@ class OdometryUse:
             self.end_trial()
         return trusted != self._trial.trusts
 
-    def takes_fix(self, fix: Fix, is_contradicted: bool) -> bool:
-        """Take what a fix says of both graphs; return whether the second one explains it alone."""
-        return self._trial.takes_fix(is_contradicted, self._other_distance2(fix))
+    def takes_fix(self, fix: Fix, is_contradicted: bool, period_s: float) -> bool:
+        """Take what a fix says of both graphs; return whether the second one explains it alone.
 
-    def _other_distance2(self, fix: Fix) -> float | None:
+        Args:
+            fix: The fix.
+            is_contradicted: Whether it contradicts the graph that is reported.
+            period_s: Usual time between two fixes [s].
+        """
+        return self._trial.takes_fix(is_contradicted, self._other_distance2(fix, period_s))
+
+    def gives_way(self) -> bool:
+        """Report the graph without odometry, if fixes agree with it; return whether that is so."""
+        return self._holds_other() and self._trial.give_way()
+
+    def _holds_other(self) -> bool:
+        """Return whether fixes agree with the second graph."""
+        other = self.pair.other
+        return other is not None and self._alarm_of is other and not self._alarm.is_raised
+
+    def _other_distance2(self, fix: Fix, period_s: float) -> float | None:
         """Return a fix's squared distance from the second graph; None if that is contradicted."""
         other = self.pair.other
         if other is None or fix.stamp_s <= other.oldest_s:
             return None
-        distance2 = compared(fix, other, None, self._noise).distance2
-        return distance2 if distance2 < self._settings.gate.innovation else None
+        if self._alarm_of is not other:
+            self._alarm, self._alarm_of = InnovationAlarm(3), other
+        found, gate = compared(fix, other, None, self._noise), self._settings.gate.innovation
+        self._alarm.add(found.residual, found.covariance, gate, period_s)
+        return found.distance2 if found.distance2 < gate else None
 
     def rely(self) -> None:
         """Use odometry whatever it has shown: without fixes, nothing else holds the state."""

@@ -60,6 +60,9 @@ class GraphSmoother:
         self._waiting: list[PendingMeasurement] = []
         self._refused: Counter[str] = Counter()
         self._standing = StandstillCheck(settings)
+        self._dispute, self._disputed_s = "", -np.inf
+        # Whether fixes are compared with odometry that is not used, as they contradicted its graph.
+        self._still_compares = False
 
     @property
     def _main(self) -> GraphWindow:
@@ -212,15 +215,40 @@ class GraphSmoother:
             return
         refusal = self._gate.refusal(compared)
         if "drifted" in refusal:
-            self._odometry.end_trial()  # who has drifted was decided by the gate
-        elif self._odometry.takes_fix(fix, bool(refusal)):
+            refusal = self._disputed(fix, refusal)
+        elif self._odometry.takes_fix(fix, bool(refusal), self._fixes.period_s):
             self._gate.forget_odometry()
             refusal = ""
+        elif self._fixes.contradicts and self._odometry.gives_way():
+            self._still_compares, refusal = True, ""
         if refusal:
             self._refuse(fix, refusal)
             return
         self._use(fix)
-        self._modes.change(fix.stamp_s, Mode.GLOBAL, f"{fix.antenna} agrees")
+        if self._is_disputed(fix.stamp_s):
+            self._modes.change(fix.stamp_s, Mode.SUSPECT, f"{fix.antenna} {self._dispute}")
+        else:
+            self._modes.change(fix.stamp_s, Mode.GLOBAL, f"{fix.antenna} agrees")
+
+    def _disputed(self, fix: Fix, refusal: str) -> str:
+        """Return why a fix that has drifted against the odometry is refused; empty if it is used.
+
+        Either of the two may have drifted, and over such a time inertial samples do not tell which.
+        If fixes agree with the graph that no odometry has touched, that one is reported, and said
+        to be in doubt.
+        """
+        if not self._odometry.gives_way() and self._odometry.is_trusted:
+            self._odometry.end_trial()  # who has drifted was decided by the gate
+            return refusal
+        self._gate.forget_odometry()
+        self._still_compares = False
+        self._dispute, self._disputed_s = refusal, fix.stamp_s
+        return ""
+
+    def _is_disputed(self, now_s: float) -> bool:
+        """Return whether odometry that was found to drift from fixes may be right all the same."""
+        is_new = now_s - self._disputed_s < self._settings.gate.unlock_after_s
+        return is_new and not self._odometry.is_trusted
 
     def _refuse(self, fix: Fix, refusal: str) -> None:
         self._refused[f"{fix.antenna}: outlier"] += 1
@@ -279,7 +307,9 @@ class GraphSmoother:
         self._modes.change(fix.stamp_s, Mode.GLOBAL, reason)
 
     def _compared(self, fix: Fix) -> Compared:
-        chain = self._chain if self._odometry.is_trusted else None
+        self._still_compares &= not self._odometry.is_trusted
+        is_asked = self._odometry.is_trusted or self._still_compares
+        chain = self._chain if is_asked else None
         return compared(fix, self._leading, chain, self._noise)
 
     def _return_to_main(self, agreed: Compared) -> None:

@@ -70,6 +70,26 @@ def test_the_filter_without_odometry_is_reported_once_both_are_apart():
     assert x_m(both.other) > 0.1
 
 
+def test_the_filter_that_odometry_has_moved_gives_way_once():
+    both, trial = begun()
+    shift(both, 0.01)
+    moved_m, other_m = x_m(both), x_m(both.other)
+    assert trial.give_way()
+    assert (x_m(both), x_m(both.other)) == (other_m, moved_m)
+    assert not trial.trusts
+    assert not trial.give_way()
+    assert x_m(both) == other_m
+
+
+def test_nothing_gives_way_while_nothing_is_compared():
+    both, trial = begun()
+    trial.dismiss()
+    shift(both, 0.01)
+    moved_m = x_m(both)
+    assert not trial.give_way()
+    assert (x_m(both), trial.trusts) == (moved_m, True)
+
+
 def test_odometry_is_used_again_after_it_has_agreed_for_long_enough():
     both, trial = begun()
     trial.conclude(True, 0.1)

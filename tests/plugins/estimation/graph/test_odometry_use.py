@@ -76,6 +76,16 @@ def test_odometry_that_moves_misleads_until_the_next_fix_at_most() -> None:
     assert parked.refusals() == 0
 
 
+@pytest.mark.parametrize("step_m", [0.004, 0.008, 0.02])
+def test_odometry_that_drifts_slowly_does_not_mislead_both_graphs(step_m: float) -> None:
+    """Of 4 to 20 cm a second; the fixes contradict one graph, and agree with the other."""
+    parked = Parked()
+    parked.until(15.0, step_m)
+    assert not parked.is_trusted
+    assert parked.off_m(6.0) < 3 * FIX_STD_M
+    assert parked.refusals() == 0
+
+
 def test_odometry_is_used_again_after_it_has_agreed_for_long_enough() -> None:
     parked = Parked()
     parked.until(4.0, 0.0)

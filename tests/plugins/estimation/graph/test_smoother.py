@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from executive_plugins.estimation.gate.measurements import Fix, Increment
 from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
+from executive_plugins.estimation.graph.odometry_use import OdometryUse
 from executive_plugins.estimation.graph.settings import SmootherSettings
 from executive_plugins.estimation.graph.smoother import GraphSmoother
 from executive_plugins.estimation.graph.window import GraphWindow, UnsolvableError
@@ -137,22 +138,48 @@ def test_fixes_that_agree_again_are_used_again() -> None:
     assert 0.01 < answer.state.p_map_imu[0] < 0.06  # all five are used
 
 
-def test_a_drift_takes_back_the_fixes_of_its_window() -> None:
-    rest = AtRest(fallback_after_s=10.0, gate={"innovation": 1e9})
+def drifting(rest: "AtRest") -> None:
+    """Let fixes drift from the odometry by 0.2 m/s until that is told."""
     rest.lidar_std_m = 0.03
     rest.until(4.0, off_m=0.0, has_lidar=True)
-    for _ in range(20):  # 0.2 m a second
+    for _ in range(20):
         rest.until(rest.now_s + 0.2, off_m=0.2 * (rest.now_s - 3.8), has_lidar=True)
-        if rest.refused():
+        if rest.modes():
             break
     assert "drifted" in rest.modes()[0][1]
     assert rest.now_s < 6.0
+    assert rest.answers[-1].mode == Mode.SUSPECT
+
+
+def test_fixes_that_drift_from_the_odometry_are_used_and_the_state_is_in_doubt() -> None:
+    """Odometry that drifts looks the same; inertial samples agree with either."""
+    rest = AtRest(fallback_after_s=10.0, gate={"innovation": 1e9})
+    drifting(rest)
+    off_m = 0.2 * (rest.now_s - 4.0)
+    rest.until(rest.now_s + 2.0, off_m=off_m, has_lidar=True)
+    assert rest.refused() == {}
+    assert rest.answers[-1].state.p_map_imu == pytest.approx([off_m, 0.0, 0.0], abs=0.1)
+    assert rest.answers[-1].mode == Mode.SUSPECT
+
+
+def test_a_doubt_that_lasts_ends_for_the_fixes() -> None:
+    rest = AtRest(fallback_after_s=10.0, gate={"innovation": 1e9, "unlock_after_s": 2.0})
+    drifting(rest)
+    rest.until(rest.now_s + 3.0, off_m=0.2 * (rest.now_s - 4.0), has_lidar=True)
+    assert rest.answers[-1].mode == Mode.GLOBAL
+
+
+def test_a_drift_that_inertial_samples_contradict_takes_back_the_fixes_of_its_window(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(OdometryUse, "gives_way", lambda self: False)
+    rest = AtRest(fallback_after_s=10.0, gate={"innovation": 1e9})
+    drifting(rest)
     # The fixes of three seconds are without effect now, also the good ones among them.
     before, after = rest.answers[-2:]
     assert before.state.p_map_imu[0] > 0.1
     assert after.state.p_map_imu == pytest.approx(Z, abs=1e-3)
     assert np.trace(after.covariance[POSITION, POSITION]) > 0.01
-    assert rest.answers[-1].mode == Mode.SUSPECT
 
 
 def test_what_is_older_than_the_window_is_refused_by_its_name() -> None:
