@@ -43,7 +43,7 @@ class FixWatch:
 
     @property
     def missing_after_s(self) -> float:
-        """Time without a fix after which some are missing [s]."""
+        """Time without a fix after which some are missing [s]; 0 before the first one."""
         return self._period.missing_after_s
 
     @property

@@ -219,8 +219,8 @@ class GraphSmoother:
         elif self._odometry.takes_fix(fix, bool(refusal), self._fixes.period_s):
             self._gate.forget_odometry()
             refusal = ""
-        elif self._fixes.contradicts and self._odometry.gives_way():
-            self._still_compares, refusal = True, ""
+        elif not refusal and self._fixes.contradicts and self._odometry.gives_way():
+            self._still_compares = True
         if refusal:
             self._refuse(fix, refusal)
             return
