@@ -35,6 +35,7 @@ from executive.leaf.weighing import (
     hanging,
     hanging_precisely,
 )
+from executive.machine.stance import LEFT
 from executive.messages.ground_below import GroundBelow, ground_below
 from executive.messages.hold import Hold
 from executive.messages.stone import Stone
@@ -49,7 +50,6 @@ _HIGHER = 0.5  # share of the height by which a stone is raised that is weighed 
 # A stone weighs no more than this share of what it was weighed at before: of 47 that were weighed
 # again the largest was 1.22. Of two that lay against each other 1.57 hung in the jaws.
 _MOST = 1.25
-_LEFT = 0.1  # share of what holds the empty machine that is left for what its model errs
 
 
 class TrialLiftSettings(Settings):
@@ -162,7 +162,7 @@ class TrialLift(Action[TrialLiftSettings]):
         sway, hangs_kg = Sway(machine), self.context.payload_kg() or 0.0
         sunk_m = max(sway.sink_m(q, stone.mass_kg) - sway.sink_m(q, hangs_kg), 0.0)
         moment, is_known = TippingMoment(machine), stone.weight or stone.seen_from_above
-        least_nm = _LEFT * moment.holding_nm(q, 0.0)
+        least_nm = LEFT * moment.holding_nm(q, 0.0)
         may_tip = (moment.holding_nm(q, 2 * stone.mass_kg) < least_nm).any() or not is_known
         is_much = sunk_m > _SUNK * self.settings.height
         return sunk_m if is_much or (may_tip and sunk_m > 0.0) else way_m + sunk_m

@@ -7,9 +7,8 @@ import numpy as np
 from executive.arrays import Float
 from executive.leaf.context import Context
 from executive.machine.gravity import GRAVITY_M_S2
-from executive.machine.stance import SLOWEST_S
+from executive.machine.stance import LEFT, SLOWEST_S
 
-_LEFT = 0.1  # share of what holds the machine that is left for what its model errs, as in TrialLift
 # Looks by which a growing load is told ahead: efforts are averaged, and jaws stop a tick later.
 _AHEAD = 2
 _LONGEST_S = 2 * SLOWEST_S  # of all waits for one stone: what does not settle then tips it at rest
@@ -80,4 +79,4 @@ class SuddenLoad:
     @staticmethod
     def _is_much(ahead: Float, mean: Float) -> bool:
         """Return whether a load tips the machine, which sways about the mean of the last sway."""
-        return bool((2 * ahead - mean > 1.0 - _LEFT).any())
+        return bool((2 * ahead - mean > 1.0 - LEFT).any())

@@ -7,6 +7,9 @@ from executive.machine.provenance import Sourced
 # Slowest sway on supports that yield that is reckoned with [s]: 12 t on tyres of 0.33 MN/m with
 # 2.6 t at 7 m. A machine that stands on one side of its supports alone has none: it tips.
 SLOWEST_S = 2.5
+# Share of what holds the empty machine that a load, as it comes on and sways, leaves for what the
+# model of the machine errs.
+LEFT = 0.1
 _SETTLED = 5.834  # ωt at which (1 + ωt) exp(−ωt) is 2 %
 
 
