@@ -19,15 +19,17 @@ export OMP_NUM_THREADS ?= 1
 mission: setup
 	$(BIN)/executive run pick_and_place $(ARGS)
 
-# A file of tests to a core, so that what is slow to set up is set up once.
+# A file of tests to a core, so that what is slow to set up is set up once; tests/conftest.py orders them.
+ON_ALL_CORES = --numprocesses auto --dist loadfile --no-loadscope-reorder
+
 test: export OMP_NUM_THREADS = 1
 test: setup
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(ARGS)
+	$(BIN)/python -m pytest $(ON_ALL_CORES) $(ARGS)
 
 # All but missions and slow tests.
 test-fast: export OMP_NUM_THREADS = 1
 test-fast: setup
-	$(BIN)/python -m pytest -m "not mission and not slow" --numprocesses auto --dist loadfile $(ARGS)
+	$(BIN)/python -m pytest -m "not mission and not slow" $(ON_ALL_CORES) $(ARGS)
 
 # One of docs/benchmarks.md: make benchmark NAME=neighbours
 benchmark: setup
