@@ -15,6 +15,7 @@ from executive_plugins.estimation.gate.measurements import (
     Standstill,
 )
 from executive_plugins.estimation.graph.chain_anchor import ChainAnchor
+from executive_plugins.estimation.graph.drift_dispute import DriftDispute
 from executive_plugins.estimation.graph.fix_comparison import compared, predicted
 from executive_plugins.estimation.graph.fix_watch import FixWatch
 from executive_plugins.estimation.graph.graph_estimate import GraphEstimate
@@ -60,9 +61,7 @@ class GraphSmoother:
         self._waiting: list[PendingMeasurement] = []
         self._refused: Counter[str] = Counter()
         self._standing = StandstillCheck(settings)
-        self._dispute, self._disputed_s = "", -np.inf
-        # Whether fixes are compared with odometry that is not used, as they contradicted its graph.
-        self._still_compares = False
+        self._dispute = DriftDispute(self._odometry, self._gate, settings.gate.unlock_after_s)
 
     @property
     def _main(self) -> GraphWindow:
@@ -215,40 +214,20 @@ class GraphSmoother:
             return
         refusal = self._gate.refusal(compared)
         if "drifted" in refusal:
-            refusal = self._disputed(fix, refusal)
+            refusal = self._dispute.verdict(fix.stamp_s, refusal)
         elif self._odometry.takes_fix(fix, bool(refusal), self._fixes.period_s):
             self._gate.forget_odometry()
             refusal = ""
-        elif not refusal and self._fixes.contradicts and self._odometry.gives_way():
-            self._still_compares = True
+        elif not refusal and self._fixes.contradicts:
+            self._dispute.leave_contradicted()
         if refusal:
             self._refuse(fix, refusal)
             return
         self._use(fix)
-        if self._is_disputed(fix.stamp_s):
-            self._modes.change(fix.stamp_s, Mode.SUSPECT, f"{fix.antenna} {self._dispute}")
+        if self._dispute.is_open(fix.stamp_s):
+            self._modes.change(fix.stamp_s, Mode.SUSPECT, f"{fix.antenna} {self._dispute.reason}")
         else:
             self._modes.change(fix.stamp_s, Mode.GLOBAL, f"{fix.antenna} agrees")
-
-    def _disputed(self, fix: Fix, refusal: str) -> str:
-        """Return why a fix that has drifted against the odometry is refused; empty if it is used.
-
-        Either of the two may have drifted, and over such a time inertial samples do not tell which.
-        If fixes agree with the graph that no odometry has touched, that one is reported, and said
-        to be in doubt.
-        """
-        if not self._odometry.gives_way() and self._odometry.is_trusted:
-            self._odometry.end_trial()  # who has drifted was decided by the gate
-            return refusal
-        self._gate.forget_odometry()
-        self._still_compares = False
-        self._dispute, self._disputed_s = refusal, fix.stamp_s
-        return ""
-
-    def _is_disputed(self, now_s: float) -> bool:
-        """Return whether odometry that was found to drift from fixes may be right all the same."""
-        is_new = now_s - self._disputed_s < self._settings.gate.unlock_after_s
-        return is_new and not self._odometry.is_trusted
 
     def _refuse(self, fix: Fix, refusal: str) -> None:
         self._refused[f"{fix.antenna}: outlier"] += 1
@@ -307,9 +286,7 @@ class GraphSmoother:
         self._modes.change(fix.stamp_s, Mode.GLOBAL, reason)
 
     def _compared(self, fix: Fix) -> Compared:
-        self._still_compares &= not self._odometry.is_trusted
-        is_asked = self._odometry.is_trusted or self._still_compares
-        chain = self._chain if is_asked else None
+        chain = self._chain if self._dispute.compares() else None
         return compared(fix, self._leading, chain, self._noise)
 
     def _return_to_main(self, agreed: Compared) -> None:
