@@ -91,6 +91,12 @@ class Answer:
 
 
 @pytest.fixture(scope="session")
+def thin() -> tuple[str, ...]:
+    """Return the settings that thin a mission."""
+    return THIN
+
+
+@pytest.fixture(scope="session")
 def command_line() -> Callable[..., Answer]:
     """Call the command line as a shell does, in this process; a mission is thinned."""
 

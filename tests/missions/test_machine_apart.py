@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 
-THIN = ("robot.sensors.azimuth_stride=8", "mapping.slice_s=0.05", "robot.scenario=kind")
 MISSION = """
 api: 1
 mission: seen_from_apart
@@ -25,9 +24,9 @@ trees:
 LIMIT_S = 600
 
 
-def test_a_survey_comes_over_the_wire_and_the_truth_from_the_machine(tmp_path):
+def test_a_survey_comes_over_the_wire_and_the_truth_from_the_machine(tmp_path, thin):
     (tmp_path / "mission.yaml").write_text(MISSION, encoding="utf-8")
-    settings = (*THIN, "robot.site.stones.count=2")
+    settings = (*thin, "robot.site.stones.count=2")
     ended = subprocess.run(
         [
             *(sys.executable, "-m", "executive.commands.entry", "run", "mission.yaml"),
