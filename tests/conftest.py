@@ -10,6 +10,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SLOW = frozenset((Path(__file__).with_name("slow.txt")).read_text().split("\n"))
 
+APART = ROOT / "tests" / "testing" / "test_clean_environment.py"
+
 # Half more than the tests of one core take at most (6.8 GB). A test that goes beyond gets a
 # MemoryError; the system would end one of the processes, and nobody would know for which test.
 MOST_BYTES = 10 * 1024**3
@@ -27,10 +29,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         name = f"{item.path.relative_to(ROOT).as_posix()}::{item.name.partition('[')[0]}"
         if name in SLOW:
             item.add_marker(pytest.mark.slow)
-    if hasattr(config, "workerinput"):  # one of several cores, with `--no-loadscope-reorder`
+    if items and hasattr(config, "workerinput"):  # of several cores, with `--no-loadscope-reorder`
         # What takes long begins early, so that at the end no core waits for a mission of another.
         missions, slow = (
             Counter(item.path for item in items if item.get_closest_marker(mark))
             for mark in ("mission", "slow")
         )
         items.sort(key=lambda one: (missions[one.path], slow[one.path]), reverse=True)
+        # The first mission compiles for minutes. A second core that began with another would
+        # compile the same at the same time; an environment of its own has to be compiled anyway.
+        first = items[0].path
+        items.sort(key=lambda one: (one.path != first, one.path != APART))
