@@ -37,8 +37,7 @@ class Places:
             above the ground, taken from its top, `rise_m` where it is let go a little beside,
             `joints_closed`, those that it covers less those that it lets run, -1 to 1,
             `along_m`, its length along the structure, `before_m` and `after_m`, what is left free
-            of its course on either side, `step_before_m` and `step_after_m`, how far its top is from
-            those of the next stones of its course,
+            of its course on either side,
             `top_gap_m` of its upper side below its highest point, in the mean.
     """
 

@@ -59,7 +59,7 @@ class Tilted(HeightMaps):
         for stone in inventory:
             names = "contact_share", "largest_support_share", "depth_m", "beside_share", "bottom_m"
             rest = "support_margin_m", "void_m3", "top_gap_m", "joints_closed"
-            along = "along_m", "before_m", "after_m", "step_before_m", "step_after_m"
+            along = "along_m", "before_m", "after_m"
             measured = {name: np.zeros(1) for name in (*names, *rest, *along)}
             yield [Places(stone, exp_so3(np.array([0.12, 0, 0])), np.zeros((1, 3)), measured)]
 
