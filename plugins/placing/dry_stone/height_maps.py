@@ -153,6 +153,4 @@ class HeightMaps:
             names["along_m"] = joints.lengths_m(origins, raster.R, stone.vertices)
             left = joints.left_m(origins, raster.R, stone.vertices)
             names["before_m"], names["after_m"] = left.T
-            steps = joints.steps_m(origins, raster.R, stone.vertices)
-            names["step_before_m"], names["step_after_m"] = steps.T
         return Places(stone, raster.R, origins, names)

@@ -15,7 +15,6 @@ _COURSE_M = 0.3  # centres of one course differ by less, those of two by more: h
 _GAP_M = 0.3  # ends that are nearer to one another are those of neighbours
 _COVER_M = 0.10  # a stone lies over a joint by so much to each side, if it covers it
 _NOISE_M = 0.05  # planned beyond that: 95 % of releases are off by less along the structure
-_BRIDGED_M = 0.5  # between two stones on which one of the next course may lie
 _STEP_M = 0.2  # along a curve, over which its heading counts as one
 
 
@@ -29,11 +28,11 @@ class Joints:
 
     def __init__(self, built: AsBuilt) -> None:
         self._structure = built.structure
-        self._stones = np.zeros((0, 4))  # begin, end, height of the centre, and of the top
+        self._stones = np.zeros((0, 3))  # begin, end, height of the centre
         if len(built.structure.line) > 1:
             rows = [self._span(one.T_map_stone, one.stone.vertices) for one in built.standing]
-            self._stones = np.array(rows).reshape(-1, 4)
-        begin, end, z, _ = self._stones.T
+            self._stones = np.array(rows).reshape(-1, 3)
+        begin, end, z = self._stones.T
         gaps = self._apart(begin[None, :], end[:, None])  # of each stone's end and another's begin
         is_joint = (np.abs(z[:, None] - z[None, :]) < _COURSE_M) & (np.abs(gaps) < _GAP_M)
         is_joint &= self._apart(begin[None, :], begin[:, None]) > 0
@@ -78,42 +77,15 @@ class Joints:
         begin, end = self._spans(origins_map, vertices @ R.T)
         ends = np.stack([begin, self._structure.length_m - end], axis=1)
         left = np.full_like(ends, np.inf) if self._structure.is_ring else ends
-        for side, gaps in enumerate(self._gaps(origins_map, begin, end)):
-            left[:, side] = np.minimum(left[:, side], gaps.min(axis=1, initial=np.inf))
-        return np.maximum(left, 0.0)
-
-    def steps_m(self, origins_map: Float, R: Float, vertices: Float) -> Float:
-        """Return how far the top of a stone is from those of its neighbours, shape (P, 2) [m].
-
-        They are the next stones of the course before and after it; 0 where there is none so near
-        that a stone of the next course would lie on both.
-        """
-        steps = np.zeros((len(origins_map), 2))
-        if not len(self._stones) or not len(origins_map):
-            return steps
-        turned = vertices @ R.T
-        top = origins_map[:, 2] + turned[:, 2].max()
-        begin, end = self._spans(origins_map, turned)
-        for side, gaps in enumerate(self._gaps(origins_map, begin, end)):
-            is_bridged = gaps.min(axis=1) < _BRIDGED_M
-            its_top = self._stones[gaps.argmin(axis=1), 3]
-            steps[is_bridged, side] = np.abs(top - its_top)[is_bridged]
-        return steps
-
-    def _gaps(self, origins_map: Float, begin: Float, end: Float) -> tuple[Float, Float]:
-        """Return the lengths to stones of the course before and after places, (P, S) each [m].
-
-        They are infinite to stones of other courses, and to those on the other side.
-        """
-        its_begin, its_end, its_z, _ = self._stones.T
+        its_begin, its_end, its_z = self._stones.T
         is_course = np.abs(origins_map[:, 2, None] - its_z) < _COURSE_M
         middles = self._apart((begin + end)[:, None] / 2, (its_begin + its_end) / 2)
-        before = self._apart(begin[:, None], its_end)
-        after = self._apart(its_begin, end[:, None])
-        return (
-            np.where(is_course & (middles > 0), before, np.inf),
-            np.where(is_course & (middles < 0), after, np.inf),
-        )
+        to_those = self._apart(begin[:, None], its_end), self._apart(its_begin, end[:, None])
+        for side, sign in enumerate((1, -1)):
+            is_there = is_course & (sign * middles > 0)
+            gaps = np.where(is_there, to_those[side], np.inf)
+            left[:, side] = np.minimum(left[:, side], gaps.min(axis=1, initial=np.inf))
+        return np.maximum(left, 0.0)
 
     def _over(self, begin: Float, end: Float, z: Float, by_m: float, sign: float) -> Bool:
         """Return which stones lie over which joints by a length, or (sign −1) nearly do, (P, J)."""
@@ -124,7 +96,7 @@ class Joints:
 
     def _span(self, T: Float, vertices: Float) -> Float:
         begin, end = self._spans(T[None, :3, 3], vertices @ T[:3, :3].T)
-        return np.array([begin[0], end[0], T[2, 3], T[2, 3] + (vertices @ T[2, :3]).max()])
+        return np.array([begin[0], end[0], T[2, 3]])
 
     def _spans(self, origins_map: Float, turned: Float) -> tuple[Float, Float]:
         """Return where stones begin and end along the structure, (P,) each [m]."""

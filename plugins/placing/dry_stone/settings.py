@@ -42,12 +42,6 @@ class Weights(Settings):
     gaps: float = Field(2.0, ge=-100, le=100, description=(
         "0 if all others fit into what is left free of the course on either side, -1 if a length "
         "as that of a stone is left into which none fits."))  # fmt: skip
-    close: float = Field(2.0, ge=-100, le=100, description=(
-        "0 beside the next stone of the course, or at an end of the structure; -1 at 0.3 m from it."
-    ))  # fmt: skip
-    even: float = Field(2.0, ge=-100, le=100, description=(
-        "0 if its top is level with those of the next stones of the course, -1 for each that is "
-        "0.3 m higher or lower."))  # fmt: skip
     flat: float = Field(1.0, ge=-100, le=100, description=(
         "1 if its upper side is level, 0 if that is 0.3 m below its highest point in the mean."
     ))  # fmt: skip

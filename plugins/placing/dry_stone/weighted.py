@@ -5,9 +5,7 @@
 leave a low course. `into` has stones lie with their length into the structure: that is how masons
 lay them, as a stone along the face takes the room of two, and rests on less of those below. `gaps`
 has the stones of a course stand close, or leave a length between them that others fit into: what
-is left besides bears nothing, and is no bed for the next course. `close` has them stand beside one
-another from the ends on, so that little is left, and `even` has their tops at one height: a stone
-that lies on two of different heights tilts away.
+is left besides bears nothing, and is no bed for the next course.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +19,7 @@ from executive.messages.building import AsBuilt
 from executive.messages.solid_stone import SolidStone
 
 # Lengths at which a term has reached the end of its scale.
-_FACE_M, _MARGIN_M, _UNEVEN_M, _LOOSE_M = 0.3, 0.2, 0.3, 0.3
+_FACE_M, _MARGIN_M, _UNEVEN_M = 0.3, 0.2, 0.3
 _APART_M = 0.075  # of neighbours: 2.5 standard deviations of a release, see `astray`
 
 
@@ -50,16 +48,9 @@ class Weighted:
             "joints": m["joints_closed"],
             "into": 1 - m["along_m"] / extents_m[:, 0].max(),
             "gaps": -_wasted(m["before_m"], extents_m) - _wasted(m["after_m"], extents_m),
-            "close": -_share(np.minimum(m["before_m"], m["after_m"]), _LOOSE_M),
-            "even": -_share(m["step_before_m"], _UNEVEN_M) - _share(m["step_after_m"], _UNEVEN_M),
             "flat": 1 - np.clip(m["top_gap_m"] / _UNEVEN_M, 0.0, 1.0),
         }
         return {name: self._weights[name] * value for name, value in terms.items()}
-
-
-def _share(lengths_m: Float, longest_m: float) -> Float:
-    """Return lengths (P,) as a share of the longest that counts, 0 to 1; 0 of endless ones."""
-    return np.asarray(np.where(np.isfinite(lengths_m), np.minimum(lengths_m / longest_m, 1.0), 0.0))
 
 
 def _wasted(free_m: Float, extents_m: Float) -> Float:

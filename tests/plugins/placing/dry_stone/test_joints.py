@@ -136,31 +136,3 @@ def test_a_ring_has_no_end_and_a_cairn_has_no_course() -> None:
 def test_no_place_leaves_nothing() -> None:
     none = joints(STRAIGHT, along_x(0.0)).left_m(np.zeros((0, 3)), np.eye(3), BLOCK.vertices)
     assert none.shape == (0, 2)
-
-
-@pytest.mark.parametrize(
-    ("x", "z", "steps_m"),
-    [
-        (0.0, 0.35, (0.1, 0.2)),  # its top is at 0.6 m, those of its neighbours at 0.5 and 0.4 m
-        (0.0, 0.15, (0.1, 0.0)),
-        (0.0, 0.75, (0.0, 0.0)),  # in the second course, in which there is none
-        (-2.5, 0.35, (0.0, 0.1)),  # at an end of the wall
-        (2.5, 0.35, (0.2, 0.0)),  # 0.1 m from one
-    ],
-)
-def test_how_far_a_top_is_from_those_of_the_next_stones(
-    x: float, z: float, steps_m: tuple[float, float]
-) -> None:
-    found = joints(STRAIGHT, along_x(-1.4), along_x(1.4, 0.15))
-    at = np.array([[x, 0.0, z]])
-    assert found.steps_m(at, np.eye(3), BLOCK.vertices)[0] == pytest.approx(steps_m)
-
-
-def test_what_is_too_far_for_a_stone_to_lie_on_both_is_no_step() -> None:
-    at = np.array([[0.0, 0.0, 0.35], [0.1, 0.0, 0.35]])
-    found = joints(STRAIGHT, along_x(-1.55)).steps_m(at, np.eye(3), BLOCK.vertices)
-    assert found[0] == pytest.approx([0.0, 0.0])  # 0.55 m from it
-    assert not joints(STRAIGHT).steps_m(at, np.eye(3), BLOCK.vertices).any()
-    cairn = joints(RING[:1], along_x(0.0))
-    assert not cairn.steps_m(at, np.eye(3), BLOCK.vertices).any()
-    assert joints(STRAIGHT).steps_m(at[:0], np.eye(3), BLOCK.vertices).shape == (0, 2)

@@ -24,17 +24,14 @@ NAMES = (
     "along_m",
     "before_m",
     "after_m",
-    "step_before_m",
-    "step_after_m",
 )
 WORST = dict(zip(NAMES, (0.0, 0.2, 0.0, 1.0, 0.0, 0.3, 1.5, 0.0, 0.4, 1.5, 0.3, -1.0, 2.0,
-                             0.325, 0.325, 0.3, 0.3), strict=True))  # fmt: skip
+                             0.325, 0.325), strict=True))  # fmt: skip
 BEST = dict(zip(NAMES, (1.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0,
-                            0.0, 0.0, 0.0, 0.0), strict=True))  # fmt: skip
+                            0.0, 0.0), strict=True))  # fmt: skip
 BEYOND = {"bottom_m": -0.01, "support_margin_m": 9.0, "depth_m": -1.0}
 FIRST = {"volume": [0.5, 0.5, 0.5], "void": [-1.0, -0.5, 0.0], "joints": [-1.0, 0.0, 1.0],
-         "gaps": [-1.0, -0.5, 0.0], "close": [-1.0, -0.1625 / 0.3, 0.0],
-         "even": [-2.0, -1.0, 0.0]}  # fmt: skip
+         "gaps": [-1.0, -0.5, 0.0]}  # fmt: skip
 
 
 def scored(*rows: dict[str, float]) -> dict[str, np.ndarray]:
@@ -74,17 +71,3 @@ def test_a_gap_costs_what_it_is_long_by_the_share_of_stones_that_it_is_too_short
     left_m = (0.64, 0.0), (0.66, 0.0), (np.inf, 2.0), (0.64, 0.64)
     found = scored(*(WORST | {"before_m": one, "after_m": other} for one, other in left_m))
     assert found["gaps"] == pytest.approx([-0.64 / 0.65, 0.0, 0.0, -1.28 / 0.65])
-
-
-def test_a_stone_is_close_to_the_nearer_of_its_neighbours_or_ends() -> None:
-    left_m = (0.15, 2.0), (2.0, 0.15), (1.0, 1.0), (np.inf, 0.0), (np.inf, np.inf)
-    found = scored(*(WORST | {"before_m": one, "after_m": other} for one, other in left_m))
-    assert found["close"] == pytest.approx([-0.5, -0.5, -1.0, 0.0, 0.0])
-
-
-def test_a_step_to_either_neighbour_costs_by_its_height() -> None:
-    steps_m = (0.0, 0.0), (0.15, 0.0), (0.15, 0.15), (0.6, 0.0)
-    found = scored(
-        *(WORST | {"step_before_m": one, "step_after_m": other} for one, other in steps_m)
-    )
-    assert found["even"] == pytest.approx([0.0, -0.5, -1.0, -1.0])
