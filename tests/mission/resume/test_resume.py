@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 
 import pytest
 import toy_site
@@ -148,13 +149,22 @@ def test_a_run_in_use_is_refused(tmp_path):
     first.folder.release()
 
 
-def test_stones_are_where_they_belong_whenever_a_run_is_cut_off(tmp_path, monkeypatch):
+@pytest.fixture
+def toy_mission(tmp_path, monkeypatch):
+    """The mission of the toy's plugins, which no later test finds."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    mission = toy_site.install(tmp_path / "toy")
+    registry.reread()
+    yield mission
+    monkeypatch.undo()
+    registry.reread()
+
+
+def test_stones_are_where_they_belong_whenever_a_run_is_cut_off(tmp_path, monkeypatch, toy_mission):
     """Between the intention and the deed, in mid-carry, and between deed and journal; the command
     `python tests/benchmarks/kills.py` kills at random points.
     """
-    mission = toy_site.install(tmp_path / "toy")
-    registry.reread()
-    made = Run(load_mission(str(mission)), Options(run_dir=tmp_path / "run"))
+    made = Run(load_mission(str(toy_mission)), Options(run_dir=tmp_path / "run"))
     wanted = {("leaf_called", "CloseGripper"), ("stone_grasped", "CloseGripper")}
     wanted |= {("leaf_called", "ReleaseStone"), ("stone_released", "ReleaseStone")}
     copies = []
