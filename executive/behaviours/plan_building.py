@@ -135,9 +135,12 @@ class PlanBuilding(Action[PlanBuildingSettings]):
             solids[for_stone] = self._with_jaws(free[0], solids[for_stone], held)
         own = {n: one for n, one in as_built.items() if n not in bodies}
         lost = failed_releases(stones, own, solid_of, objects)
+        beside = [one for one in stones if one.state in _LIE and one not in standing
+                  and one.id != for_stone]  # fmt: skip
+        around = tuple(solid_of[one.id] for one in beside)
         plan = yield from self.context.job(
             self.context.use(StructurePlanner).propose,
-            AsBuilt(structure, ground, tuple(as_built.values()), lost),
+            AsBuilt(structure, ground, tuple(as_built.values()), lost, around),
             tuple(one.stone for one in solids.values()),
             self.context.rng(),
         )

@@ -67,12 +67,15 @@ class AsBuilt:
         ground: The ground before the first stone.
         standing: The stones, in the order in which they were placed.
         failed: Releases that failed on stones which stand, oldest first.
+        around: Stones that lie near the structure and are none of it, such as those that are to be
+            moved into it: nothing is set down over them.
     """
 
     structure: Structure
     ground: HeightGrid
     standing: tuple[StandingStone, ...] = ()
     failed: tuple[FailedRelease, ...] = ()
+    around: tuple[StandingStone, ...] = ()
 
     def above_ground_m(self, points_map: Float) -> Float:
         """Return the heights of points (M, 3) above the ground below them [m], shape (M,)."""

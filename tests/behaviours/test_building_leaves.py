@@ -110,6 +110,18 @@ def test_the_plan_follows_the_structure_as_it_stands(stage, database):
     assert ended.outputs["ending"] == "nothing_fits"
 
 
+def test_what_lies_around_the_structure_is_told_to_the_planner(stage, database):
+    """But for the stone that is planned: it leaves its place."""
+    stand, planner = on_stage(stage, database, NOTHING)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    set_down(database, 1, (-5.0, 6.0, 0.0))
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE)
+    stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
+    around = [[one.stone.name for one in call["built"].around]
+              for call in planner.calls("propose")]  # fmt: skip
+    assert around == [["1", "2"], ["2"], []]
+
+
 def test_a_stone_that_lies_within_the_structure_is_adopted_as_built(stage, database):
     """It fell there: the next stone is planned around it, and it is not taken as the next one."""
     database.grasp(1, pose(), 2.0)

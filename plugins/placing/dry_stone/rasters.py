@@ -11,6 +11,7 @@ from executive.messages.building import AsBuilt
 
 _BESIDE_M = 0.10  # beyond its rim, a neighbour is beside a stone that is let go with some noise
 _MARGIN_M = 0.6  # around the foot of the envelope: stones that stick out are seen
+_BARRED_M = 1e3  # above what lies around a structure: no stone comes to lie so high
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,13 +73,14 @@ class WallTop:
     Attributes:
         cell_m: Distance of nodes [m].
         corner: Index of the first node from the map's origin, (2,).
-        top: Height of what is highest there [m], shape (I, J).
+        top: Height of what is highest there [m], beyond all heights where something lies that is
+            none of the structure, shape (I, J).
         owner: Number of the stone that it belongs to, −1 on the ground, shape (I, J).
         ground: Height of the ground [m], shape (I, J).
         room: How deep each node is in the envelope at the foot: from the left face, from the right
             face, and from the nearer end [m], shape (3, I, J).
         raised: The highest top within `astray_m` [m], shape (I, J).
-        near: The highest top within 10 cm [m], shape (I, J).
+        near: The highest top of the structure within 10 cm [m], shape (I, J).
     """
 
     def __init__(self, built: AsBuilt, cell_m: float, astray_m: float = 0.0) -> None:
@@ -95,27 +97,39 @@ class WallTop:
         for number, one in enumerate(built.standing):
             T = one.T_map_stone
             self._add(number, raster_at(one.stone.vertices, one.stone.triangles, T, cell_m))
-        self.raised = _highest_within(self.top, astray_m / cell_m)
         self.near = _highest_within(self.top, _BESIDE_M / cell_m)
+        self._heights = self.top - self.ground
+        for one in built.around:
+            T = one.T_map_stone
+            self._bar(raster_at(one.stone.vertices, one.stone.triangles, T, cell_m))
+        self.raised = _highest_within(self.top, astray_m / cell_m)
 
     def share_up_to(self, height_m: float) -> float:
         """Return which share of the inner half of the foot is built up to a height [m], 0 to 1."""
         inner = self.room.min(axis=0)
         core = inner >= inner.max() / 2
-        return float((self.top - self.ground >= height_m)[core].mean())
+        return float((self._heights >= height_m)[core].mean())
 
     def _add(self, number: int, raster: StoneRaster) -> None:
-        first = raster.first - self.corner
-        low = np.maximum(first, 0)
-        high = np.minimum(first + raster.over.shape, self.top.shape)
-        if (high <= low).any():
-            return  # beside the structure: it bears nothing
-        here = np.s_[low[0] : high[0], low[1] : high[1]]
-        a, b = low - first, high - first
-        over = raster.over[a[0] : b[0], a[1] : b[1]]
+        here, over = self._below(raster)
         is_higher = over > self.top[here]
         self.top[here][is_higher] = over[is_higher]
         self.owner[here][is_higher] = number
+
+    def _bar(self, raster: StoneRaster) -> None:
+        here, over = self._below(raster)
+        self.top[here][np.isfinite(over)] = _BARRED_M
+
+    def _below(self, raster: StoneRaster) -> tuple[tuple[slice, slice], Float]:
+        """Return the nodes of the structure below a stone, and its upper side over them; none of
+        one that lies beside the structure.
+        """
+        first = raster.first - self.corner
+        low = np.minimum(np.maximum(first, 0), self.top.shape)
+        high = np.maximum(np.minimum(first + raster.over.shape, self.top.shape), low)
+        a, b = low - first, high - first
+        here = slice(low[0], high[0]), slice(low[1], high[1])
+        return here, raster.over[a[0] : b[0], a[1] : b[1]]
 
 
 def _highest_within(top: Float, cells: float) -> Float:
