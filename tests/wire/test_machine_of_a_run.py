@@ -73,7 +73,7 @@ def test_a_run_starts_its_machine_and_ends_it(tmp_path):
 def test_a_machine_that_cannot_be_built_is_a_wrong_input(tmp_path):
     line = words(tmp_path, "2 s")
     text = (tmp_path / "mission.yaml").read_text()
-    crowded = "{plugin: mujoco, site: {stones: {count: 200}}}"
+    crowded = "{plugin: mujoco, site: {stones: {count: 4, placement: {gap_m: 9}}}}"
     changed = text.replace("{plugin: kinematic, model: m545, noise: true}", crowded)
     (tmp_path / "mission.yaml").write_text(changed)
     done = ended(tmp_path, *line, "--real-time")
