@@ -191,6 +191,25 @@ class StoneSeenInJaws(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StoneSeenFromBelow(Event):
+    """A held stone was raised above the lidars, and its underside looked at.
+
+    Attributes:
+        stone: Id of the stone.
+        accepted: Whether what was seen took the place of the lower half of its model.
+        points: Points of the view, one a voxel of the map.
+        seen: Share of the columns of 0.1 m through the stone in which its lower half was seen.
+        raised_m: By how much its lowest point is higher than that of the model before [m].
+    """
+
+    stone: int
+    accepted: bool
+    points: int
+    seen: float
+    raised_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PlacementVerified(Event):
     """A released stone was looked for at its place.
 

@@ -79,6 +79,12 @@ class ObjectDatabase(Plugin, ABC):
         how it was.
         """
 
+    def reshape(self, stone_id: int, points_map: Float, stamp_s: float, note: str = "") -> Stone:
+        """Replace the stone's known surface by a better one, at its present pose [m], shape (N, 3);
+        the note says how that was seen. By default it is not kept.
+        """
+        return self.stone(stone_id)
+
     def weigh(self, stone_id: int, weight: Weight, stamp_s: float) -> Stone:
         """Note what the stone weighs; by default it is not kept."""
         return self.stone(stone_id)

@@ -4,6 +4,7 @@ from executive.interfaces.objects import ObjectDatabase
 
 SIGHTINGS = frozenset({"realign", "seen", "moved", "replaced"})  # of events after a stone was seen
 _RELEASE, _REPLACED = "release", "replaced"
+_FOUND, _RESHAPED = "found", "reshaped"
 
 
 def sightings(objects: ObjectDatabase, stone: int) -> frozenset[str]:
@@ -20,3 +21,10 @@ def is_turn_known(objects: ObjectDatabase, stone: int) -> bool:
     recognised, what is seen becomes its model, and the angle between the two is not known.
     """
     return all(event.kind != _REPLACED for event in objects.history(stone))
+
+
+def is_underside_known(objects: ObjectDatabase, stone: int) -> bool:
+    """Return whether the lower half of a stone's model was seen, as it hung in the jaws."""
+    shapes = (_FOUND, _REPLACED, _RESHAPED)
+    kinds = [event.kind for event in objects.history(stone) if event.kind in shapes]
+    return kinds[-1:] == [_RESHAPED]

@@ -10,6 +10,7 @@ from executive.geometry.hull_mesh import hull_mesh
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.voxels import first_in_cells
 from executive.interfaces.objects import ObjectDatabase
+from executive.leaf.sightings import is_underside_known
 from executive.messages.building import StandingStone
 from executive.messages.solid_stone import SolidStone
 from executive.messages.stone import Stone, StoneState
@@ -29,11 +30,12 @@ def solid_stone(
 ) -> StandingStone:
     """Return the convex hull of a stone's known surface, and its pose, with the axes of the map.
 
-    The foot is not seen: segmentation ends a decimetre above the ground. The outline of the lowest
-    seen part goes straight down to the ground on which the stone was found. So the hull is rather
-    too large than too small, as is wanted of what is unknown. A stone that has slid or turned and
-    lies on the ground again rests on a part that nobody has seen: what is lowest goes straight
-    down, as far around as it takes to carry the stone as it lies.
+    The foot of a stone that has not hung in the jaws above the lidars is not seen: segmentation
+    ends a decimetre above the ground. The outline of the lowest seen part goes straight down to the
+    ground on which the stone was found. So the hull is rather too large than too small, as is
+    wanted of what is unknown. A stone that has slid or turned and lies on the ground again rests on
+    a part that nobody has seen: what is lowest goes straight down, as far around as it takes to
+    carry the stone as it lies.
 
     Args:
         stone: The stone, as the database has it now.
@@ -47,7 +49,9 @@ def solid_stone(
     T_then_now = _lay(stone, objects) @ inverse(stone.T_map_object)
     lying = transform(T_then_now, stone.points_map)
     lying = lying[np.sort(first_in_cells(lying, _CELL_M))]
-    whole = transform(inverse(T_then_now), _with_foot(lying, ground))
+    if not is_underside_known(objects, stone.id):
+        lying = _with_foot(lying, ground)
+    whole = transform(inverse(T_then_now), lying)
     if stone.state in _ON_GROUND:
         whole = _carried(whole, ground)
     _, centre = volume_and_centroid(whole)

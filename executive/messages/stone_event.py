@@ -12,8 +12,8 @@ class StoneEvent:
 
     Attributes:
         stamp_s: Time of the change on the mission's clock [s].
-        kind: found, seen, moved, replaced, piece, grasp, release, realign, state; other databases
-            may have others.
+        kind: found, seen, moved, replaced, reshaped, piece, grasp, release, realign, state; other
+            databases may have others.
         state: The stone's state afterwards.
         T_map_object: Its pose afterwards, shape (4, 4).
         note: Explanation in words: which sensor, how well it agreed, what was refused.

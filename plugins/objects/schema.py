@@ -28,7 +28,7 @@ CREATE TABLE events (
     id INTEGER PRIMARY KEY,
     stone_id INTEGER NOT NULL REFERENCES stones(id),
     stamp_s REAL NOT NULL,
-    kind TEXT NOT NULL,               -- found seen moved replaced grasp release realign state
+    kind TEXT NOT NULL,               -- as `StoneEvent.kind`
     state TEXT NOT NULL,              -- of the stone afterwards
     T_map_object BLOB NOT NULL,       -- afterwards
     note TEXT NOT NULL                -- its origin, for people

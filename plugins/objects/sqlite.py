@@ -26,11 +26,12 @@ from executive_plugins.objects.schema import (
 )
 from executive_plugins.objects.settings import SqliteObjectsSettings
 from executive_plugins.objects.sighting import is_same_surface
+from executive_plugins.objects.surface import pack
 from executive_plugins.objects.view import View
 
 from executive.arrays import Float, checked
 from executive.errors import ConfigError, DataError
-from executive.geometry.pose import inverse
+from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import compile_voxel_means
 from executive.interfaces.objects import ObjectDatabase
 from executive.messages.cloud import Cloud
@@ -166,6 +167,23 @@ class SqliteObjects(ObjectDatabase):
         with self._transaction() as db:
             move_row(db, row, T)
             add_event(db, stone_id, stamp_s, "realign", StoneState(row["state"]), note)
+        return self.stone(stone_id)
+
+    def reshape(self, stone_id: int, points_map: Float, stamp_s: float, note: str = "") -> Stone:
+        """Store another surface, in the stone's frame, which stays where it is.
+
+        Raises:
+            DataError: If it has no points.
+        """
+        row, points = self._row(stone_id), checked("points_map", points_map, None, 3)
+        if not len(points):
+            raise DataError(f"stone {stone_id}: a surface without points is none")
+        surface = transform(inverse(unpack_pose(row["T_map_object"])), points)
+        with self._transaction() as db:
+            db.execute(
+                "UPDATE stones SET points_object = ? WHERE id = ?", (pack(surface), stone_id)
+            )
+            add_event(db, stone_id, stamp_s, "reshaped", StoneState(row["state"]), note)
         return self.stone(stone_id)
 
     def weigh(self, stone_id: int, weight: Weight, stamp_s: float) -> Stone:

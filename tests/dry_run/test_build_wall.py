@@ -23,6 +23,7 @@ mocks:
   %s: [failure, success]
   ForgetPlace: success
   DetectSlip: success
+  SeeUnderside: {outputs: {underside_is_new: false}}
   VerifyPlacement: success
   SetAside: success
   SomeStonePlaced: success
@@ -60,6 +61,7 @@ mocks:
     - {status: failure, outputs: {ending: no_stones}}
   PlanGrasp: %s
   DetectSlip: success
+  SeeUnderside: {outputs: {underside_is_new: false}}
   VerifyPlacement: success
   SetAside: success
   TakeUpAgain: failure
@@ -98,6 +100,7 @@ mocks:
   PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
   KeepFittingGrasps: %s
   DetectSlip: success
+  SeeUnderside: {outputs: {underside_is_new: false}}
   VerifyPlacement: %s
   %s
   SomeStonePlaced: success
@@ -135,6 +138,45 @@ def test_other_places_are_planned_for_a_stone_in_the_jaws_that_reaches_none(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, second_plan: str, ends: str
 ) -> None:
     assert exit_status(monkeypatch, tmp_path, MOCKS % (second_plan, "PlanPlacement", ends)) == 0
+
+
+SEEN = """api: 1
+mocks:
+  Localise: success
+  SurveySite: success
+  PlanBuilding:
+    - {outputs: {stone: 3, free_slots: []}}
+    - %s
+    - {status: failure, outputs: {ending: complete}}
+  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
+  KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
+  DetectSlip: success
+  SeeUnderside: {outputs: {underside_is_new: true}}
+  IsHolding: success
+  FindOwnPlace: success
+  VerifyPlacement: success
+  SetAside: success
+  SomeStonePlaced: success
+expect:
+  outcome: success
+  ends: {%s}
+"""
+
+
+@pytest.mark.parametrize(
+    ("second_plan", "ends"),
+    [
+        # Its place is planned once more, on what was seen of its underside.
+        (AGAIN, "PlanPlacement: [success], FindOwnPlace: [], PlanPick: [success]"),
+        # It cannot stand anywhere: it is carried back, whatever was planned on its guessed foot.
+        (NO_PLACE, "PlanPlacement: [success], FindOwnPlace: [success], ReleaseStone: [success]"),
+    ],
+    ids=["a place", "no place"],
+)
+def test_a_stone_that_was_seen_from_below_is_planned_for_once_more(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, second_plan: str, ends: str
+) -> None:
+    assert exit_status(monkeypatch, tmp_path, SEEN % (second_plan, ends)) == 0
 
 
 @pytest.mark.parametrize(
@@ -202,6 +244,7 @@ mocks:
   PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
   KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
   DetectSlip: success
+  SeeUnderside: {outputs: {underside_is_new: false}}
   PlanPlacement:
     - {outputs: {placement: {slot: {id: 1}}}}
     - failure

@@ -68,6 +68,30 @@ def test_its_foot_goes_down_to_the_ground_unless_that_is_too_far_below(low_m, fo
     assert size_of(standing)[2] == pytest.approx(HEIGHT_M + foot_m, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    ("kinds", "foot_m"),
+    [
+        (("found", "grasp", "reshaped"), 0.0),
+        (("found", "reshaped", "seen", "realign"), 0.0),
+        (("found", "reshaped", "replaced"), 0.1),  # the model is another one since
+        (("found", "seen"), 0.1),
+    ],
+)
+def test_a_foot_that_was_seen_from_below_is_not_guessed(kinds, foot_m):
+    lying = stone(block(0.1))
+    objects = Objects(*((kind, lying.T_map_object) for kind in kinds))
+    standing = solid_stone(lying, ground(), objects)
+    assert size_of(standing)[2] == pytest.approx(HEIGHT_M + foot_m, abs=0.01)
+
+
+def test_what_was_seen_of_an_underside_may_lie_in_a_hollow_of_the_ground():
+    points = block(-0.06)
+    objects = Objects(("found", stone(points).T_map_object), ("reshaped", None))
+    hanging = replace(stone(points), state=StoneState.HELD)
+    vertices = solid_stone(hanging, ground(), objects).vertices_map()
+    assert vertices[:, 2].min() == pytest.approx(-0.06, abs=0.01)
+
+
 def test_without_ground_around_it_no_foot_is_added():
     for around in (NO_GROUND, ground() + (50.0, 0.0, 0.0)):
         standing = solid_stone(stone(block(0.1)), around, Objects())

@@ -82,6 +82,19 @@ def test_a_realignment_moves_the_stone_in_the_map(database: ObjectDatabase) -> N
     )
 
 
+def test_another_surface_leaves_a_stone_where_it_is(database: ObjectDatabase) -> None:
+    """A database that does not keep surfaces that others found returns the stone as it was."""
+    before = database.observe([boulder(5, 0)], 1.0, False)[0]
+    database.grasp(1, T_GRASP, 2.0)
+    after = database.reshape(1, before.points_map[::2], 3.0, "from below")
+    assert after.state is StoneState.HELD
+    np.testing.assert_array_equal(after.T_map_object, before.T_map_object)
+    if len(after.points_map) != len(before.points_map):
+        np.testing.assert_allclose(after.points_map, before.points_map[::2], atol=1e-5)
+    moved = database.release(1, T_RELEASE, 4.0, StoneState.PLACED)
+    assert len(moved.points_map) == len(after.points_map)
+
+
 def test_a_state_changes_alone(database: ObjectDatabase) -> None:
     before = database.observe([boulder(5, 0)], 1.0, False)[0]
     after = database.set_state(1, StoneState.SET_ASIDE, 2.0)
@@ -96,6 +109,7 @@ def test_an_unknown_stone_is_an_error(database: ObjectDatabase) -> None:
         lambda: database.history(9),
         lambda: database.grasp(9, np.eye(4), 1.0),
         lambda: database.realign(9, np.eye(4), 1.0),
+        lambda: database.reshape(9, np.zeros((1, 3)), 1.0),
         lambda: database.set_state(9, StoneState.LOST, 1.0),
     ):
         with pytest.raises(DataError, match="9"):

@@ -81,6 +81,20 @@ def test_a_new_view_adds_what_was_hidden(objects: SqliteObjects) -> None:
     np.testing.assert_array_equal(full.T_map_object, half.T_map_object)
 
 
+def test_a_surface_that_was_seen_elsewhere_replaces_the_known_one(objects: SqliteObjects) -> None:
+    known = objects.observe([segment(box((3, 0, 0)))], 1.0, True)[0]
+    objects.realign(1, pose(from_rpy(0, 0, 0.5), np.array([1.0, 0.0, 0.0])), 2.0)
+    points = objects.stone(1).points_map[::3] + [0.0, 0.0, 0.02]
+    shaped = objects.reshape(1, points, 3.0, "from below")
+    np.testing.assert_allclose(shaped.points_map, points, atol=1e-5)
+    np.testing.assert_array_equal(shaped.T_map_object, objects.history(1)[1].T_map_object)
+    last = objects.history(1)[-1]
+    assert (last.kind, last.note, last.state) == ("reshaped", "from below", known.state)
+    with pytest.raises(DataError, match="without points"):
+        objects.reshape(1, np.empty((0, 3)), 4.0)
+    assert len(objects.stone(1).points_map) == len(points)
+
+
 def test_two_merged_stones_are_not_one_that_has_grown(objects: SqliteObjects) -> None:
     objects.observe([segment(box((3, 0, 0)))], 1.0, False)
     merged = np.vstack([box((3, 0, 0)), box((4.2, 0, 0))])
