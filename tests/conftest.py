@@ -1,11 +1,19 @@
 """Marks the tests that `slow.txt` names, so that `make test-fast` can leave them out, hands the
-slowest files to the cores first, and lets a test that takes too much memory fail by itself."""
+slowest files to the cores first, lets a test that takes too much memory fail by itself, and none
+for the time that a case of Hypothesis takes."""
 
 import resource
 from collections import Counter
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+# How long a case takes tells of the computer and of what else runs on it.
+settings.register_profile(
+    "any computer", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("any computer")
 
 ROOT = Path(__file__).parents[1]
 SLOW = frozenset((Path(__file__).with_name("slow.txt")).read_text().split("\n"))

@@ -132,7 +132,6 @@ trees = st.recursive(leaf, composites, max_leaves=6)
 
 @settings(
     max_examples=25,
-    deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )

@@ -109,9 +109,8 @@ def composites(node: Any) -> Any:
 trees = st.recursive(leaf, composites, max_leaves=12)
 quick = settings(
     max_examples=100,
-    deadline=None,
     derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 LEAVES = {"Act": Act, "Sometimes": Sometimes}
 

@@ -99,9 +99,8 @@ def check(folder: Path, catalogue: TableCatalogue, data: bytes, *options: str) -
 
 quick = settings(
     max_examples=100,
-    deadline=None,
     derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 
 

@@ -53,7 +53,7 @@ def test_stamps_are_those_of_the_mission():
 
 
 @given(st.lists(st.integers(1, 200), min_size=1, max_size=30))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_frames_are_put_together_however_they_are_cut(cuts):
     frames = [Frame(Kind.STATUS, {"n": n}, bytes(n), n) for n in range(20)]
     data = b"".join(frame.packed() for frame in frames)
@@ -66,14 +66,14 @@ def test_frames_are_put_together_however_they_are_cut(cuts):
 
 
 @given(st.binary(min_size=16, max_size=200))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_bytes_that_are_no_frame_are_refused(data):
     with pytest.raises(WireError):
         list(FrameReader().feed(b"NOPE" + data))
 
 
 @given(st.integers(0, 60), st.binary(min_size=1, max_size=3))
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 def test_a_damaged_frame_is_refused_or_waited_for(position, damage):
     data = bytearray(Frame(Kind.COMMAND, {"commands": []}, b"12345678", 7).packed())
     data[position : position + len(damage)] = damage

@@ -72,7 +72,7 @@ expressions = st.recursive(atoms, larger, max_leaves=12)
 
 
 @given(expressions)
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 def test_what_is_written_reads_as_the_same(expression) -> None:
     assert parse(str(expression)) == expression
 
@@ -101,7 +101,7 @@ arithmetic = st.recursive(
 
 
 @given(arithmetic, st.integers(-9, 9), st.floats(-9, 9))
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 def test_arithmetic_agrees_with_pythons(text: str, a: int, b: float) -> None:
     python = text.replace("{", "(").replace("}", ")")
     try:
@@ -121,7 +121,7 @@ def test_arithmetic_agrees_with_pythons(text: str, a: int, b: float) -> None:
         max_size=20,
     ).map(" ".join)
 )
-@settings(deadline=None, max_examples=500)
+@settings(max_examples=500)
 def test_no_text_crashes_the_parser_the_checker_or_a_template(text: str) -> None:
     told: list[tuple[int, str]] = []
     for read in (parse, split_template):
