@@ -13,6 +13,7 @@ height: 0.8 m
 building:
   plugin: dry_stone
   generator: {attitude: kept}
+  check: {tries: 24}
 """
 FEW = ("--set", "robot.site.stones.count=3")  # the fewest that the drone's map can be registered by
 
