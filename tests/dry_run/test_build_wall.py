@@ -140,29 +140,6 @@ def test_other_places_are_planned_for_a_stone_in_the_jaws_that_reaches_none(
     assert exit_status(monkeypatch, tmp_path, MOCKS % (second_plan, "PlanPlacement", ends)) == 0
 
 
-SEEN = """api: 1
-mocks:
-  Localise: success
-  SurveySite: success
-  PlanBuilding:
-    - {outputs: {stone: 3, free_slots: []}}
-    - %s
-    - {status: failure, outputs: {ending: complete}}
-  PlanGrasp: {outputs: {grasps: [{score: 0.9}]}}
-  KeepFittingGrasps: {outputs: {fitting: [{score: 0.9}]}}
-  DetectSlip: success
-  SeeUnderside: {outputs: {underside_is_new: true}}
-  IsHolding: success
-  FindOwnPlace: success
-  VerifyPlacement: success
-  SetAside: success
-  SomeStonePlaced: success
-expect:
-  outcome: success
-  ends: {%s}
-"""
-
-
 @pytest.mark.parametrize(
     ("second_plan", "ends"),
     [
@@ -176,7 +153,10 @@ expect:
 def test_a_stone_that_was_seen_from_below_is_planned_for_once_more(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, second_plan: str, ends: str
 ) -> None:
-    assert exit_status(monkeypatch, tmp_path, SEEN % (second_plan, ends)) == 0
+    seen = TWICE.replace("underside_is_new: false", "underside_is_new: true")
+    held = "IsHolding: success\n  FindOwnPlace: success\n  SetAside: success"
+    mocks = seen % (second_plan, FITTING, "success", held, ends)
+    assert exit_status(monkeypatch, tmp_path, mocks) == 0
 
 
 @pytest.mark.parametrize(
