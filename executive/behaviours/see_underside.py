@@ -137,6 +137,8 @@ class SeeUnderside(Action[SeeUndersideSettings]):
 
     def _way(self, hold: Hold) -> Generator[Any, Any, tuple[JointTrajectory | None, str]]:
         """Return a way to where the stone is seen from below, or why there is none."""
+        if not self.context.machine().sensors_of("lidar"):
+            return None, "the machine has no lidar"
         surface, T_map_base = held_surface(self.context, hold), self.context.state().T_map_base
         stone = self.context.use(ObjectDatabase).stone(hold.stone_id)
         obstacles = yield from surroundings(self.context, hold.stone_id)

@@ -109,7 +109,7 @@ def test_a_stone_of_which_too_little_is_seen_keeps_its_model(world, database):
     assert 0.0 < event.seen < 0.5
 
 
-@pytest.mark.parametrize("why", ["no way", "too heavy", "too low", "out of reach"])
+@pytest.mark.parametrize("why", ["no way", "too heavy", "too low", "out of reach", "no lidar"])
 def test_a_stone_that_cannot_be_raised_is_not_looked_at(world, monkeypatch, why):
     settings, told = {}, "the boom would hit stone 2"
     if why == "no way":
@@ -117,6 +117,11 @@ def test_a_stone_that_cannot_be_raised_is_not_looked_at(world, monkeypatch, why)
     elif why == "too heavy":
         told = "1.2 t are too heavy 6 m away"
         monkeypatch.setattr(see_underside, "too_heavy", lambda *rest: told)
+    elif why == "no lidar":
+        told, machine = "the machine has no lidar", world.leaf_context.machine()
+        sensors = {name: one for name, one in machine.sensors.items() if one.kind != "lidar"}
+        blind = machine.model_copy(update={"sensors": sensors})
+        monkeypatch.setattr(world.leaf_context, "machine", lambda: blind)
     elif why == "out of reach":
         told = "no place from which its foot would be seen is in reach"
         plugins(world)["motion"].answers(reach=None)
