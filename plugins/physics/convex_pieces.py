@@ -12,6 +12,8 @@ from scipy.spatial import ConvexHull, QhullError
 
 from executive.arrays import Float, Int
 
+_SAME = 1e-6  # of volumes: a hull of what is convex differs from it by rounding alone
+
 
 def convex_pieces(vertices: Float, triangles: Int, count: int) -> list[Float]:
     """Return the corners of up to `count` convex pieces that together cover a solid.
@@ -38,6 +40,16 @@ def convex_pieces(vertices: Float, triangles: Int, count: int) -> list[Float]:
         except QhullError:
             continue  # a flat patch through the centroid: it bounds no volume
     return pieces or [_corners(vertices)]
+
+
+def is_convex(vertices: Float, volume_m3: float) -> bool:
+    """Return whether a closed surface is its own convex hull.
+
+    Args:
+        vertices: Vertices of the surface [m], shape (V, 3).
+        volume_m3: Volume within it [m³].
+    """
+    return bool(ConvexHull(vertices).volume <= (1.0 + _SAME) * volume_m3)
 
 
 def _corners(points: Float) -> Float:

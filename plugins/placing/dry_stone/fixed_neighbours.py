@@ -14,7 +14,7 @@ from executive.messages.solid_stone import SolidStone
 
 def rules_of(settings: CheckSettings) -> WorldRules:
     """Return how the world is simulated in which places are checked."""
-    return WorldRules(settings.step_s, settings.friction, settings.pieces)
+    return WorldRules(settings.step_s, settings.friction, settings.pieces, is_convex_whole=True)
 
 
 class FixedNeighbours:

@@ -84,11 +84,12 @@ class HeightMaps:
     ) -> Places | None:
         """Return a place in the tilt in which the stone rests there, measured anew.
 
-        None if it tilts by more than 20°, or does not fit then. It rolls there, and so moves.
+        None if it tilts farther than is allowed, or does not fit then. It rolls there, and moves.
         """
         wall, T = self._top_of(built), place.T_map_stone
         node = np.rint(T[:2, 3] / wall.cell_m).astype(np.int64) - wall.corner
-        rest = at_rest(place.stone, T[:3, :3], node, wall)
+        most_rad = self._settings.most_lean_rad
+        rest = at_rest(place.stone, T[:3, :3], node, wall, most_rad)
         if rest is None:
             return None
         raster, node = rest

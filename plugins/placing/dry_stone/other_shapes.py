@@ -6,11 +6,14 @@ finds another rest on the stones themselves, whatever load it bears in the model
 scan, of 10 and of 30 pieces, differ from each other as a model does from the scan, so that a stone
 that moves from one to the other will move on the real ones. The stones around hold still in this:
 only what the shapes do to the new stone is asked for, and a trial takes a fraction of a release.
+Stones that are all convex, as those of a mission, have one model, and stay.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
+from executive_plugins.physics.convex_pieces import is_convex
 from executive_plugins.physics.stone_world import WorldRules
 from executive_plugins.physics.trial import Bounds, Trial, apart
 from executive_plugins.placing.dry_stone.settings import CheckSettings
@@ -38,8 +41,11 @@ class OtherShapes:
         """
         self._most_m = settings.reseated
         self._trial = None
-        if settings.other_pieces:
-            rules = WorldRules(settings.step_s, settings.friction, settings.other_pieces)
+        stones = [stone, *(one.stone for one in part.standing)]
+        if settings.other_pieces and not all(_is_convex(one) for one in stones):
+            rules = WorldRules(
+                settings.step_s, settings.friction, settings.other_pieces, is_convex_whole=True
+            )
             self._trial = Trial(part, stone, rules, rest, [True] * len(rest))
 
     def moves(self, T_map_stone: Float) -> float:
@@ -49,3 +55,8 @@ class OtherShapes:
         bounds = Bounds(T_map_stone, self._most_m, _ANY_RAD)
         found = self._trial.release(T_map_stone, 0.0, bounds)
         return apart(T_map_stone, found.T_map_settled)[0] if found.is_at_rest else np.inf
+
+
+@lru_cache(maxsize=128)  # the stones of a structure are asked about at each place
+def _is_convex(stone: SolidStone) -> bool:
+    return is_convex(stone.vertices, stone.volume_m3)

@@ -12,11 +12,9 @@ from executive.arrays import Float, Int
 from executive.geometry.rotation import exp_so3
 from executive.messages.solid_stone import SolidStone
 
-_MOST_RAD = 0.35  # a stone that tilts farther than this comes to rest on another side
-
 
 def at_rest(
-    stone: SolidStone, R: Float, node: Int, wall: WallTop
+    stone: SolidStone, R: Float, node: Int, wall: WallTop, most_rad: float
 ) -> tuple[StoneRaster, Int] | None:
     """Return the height maps of a stone as it rests, and the node that its origin is over then.
 
@@ -25,15 +23,16 @@ def at_rest(
         R: Its rotation where it first touches, shape (3, 3).
         node: Node of the wall's grid that its origin is over there, from the wall's corner, (2,).
         wall: What it rests on.
+        most_rad: Tilt beyond which it is left out.
 
     Returns:
-        The turned stone and its node (2,); None if it tilts by more than 20°, or off the grid.
+        The turned stone and its node (2,); None if it tilts farther, or lies off the grid.
     """
     underside = underside_of(
         raster_of(stone.vertices, stone.triangles, R, wall.cell_m), wall.cell_m
     )
     xy = np.asarray((node + wall.corner) * wall.cell_m, dtype=np.float64)
-    rest = roll(underside, wall, xy, np.zeros(2), _MOST_RAD)
+    rest = roll(underside, wall, xy, np.zeros(2), most_rad)
     if not rest.is_at_rest:
         return None
     turned = exp_so3(np.array([*rest.tilt, 0.0])) @ R

@@ -7,6 +7,8 @@ from pydantic import Field
 from executive.config import Kilograms, Meters, Radians, Settings
 from executive.interfaces.declaration import PluginSettings
 
+OTHER_SIDE_RAD = 0.35  # a stone that tilts farther than this comes to rest on another side
+
 
 class Weights(Settings):
     """Weights of the named terms of a place: about 0 to 1, `void` -1 to 0; more is better."""
@@ -54,8 +56,11 @@ class GeneratorSettings(Settings):
     cell: Meters = Field(0.05, gt=0.01, le=0.2, description="Distance of nodes of height maps [m].")
     stride: int = Field(2, ge=1, le=10, description="Places are so many nodes apart.")
     attitude: Literal["any", "kept"] = Field("any", description=(
-        "`kept`: stones are turned about the vertical only, as a gripper carries them; `any`: also "
-        "onto other sides."))  # fmt: skip
+        "`kept`: stones are turned about the vertical and leaned a little, as a gripper carries "
+        "them; `any`: also onto other sides."))  # fmt: skip
+    lean: Radians = Field(0.0, ge=0, le=0.7, description=(
+        "How far a stone of a `kept` attitude may be leaned to lie as its bed does [rad]: what the "
+        "gripper tilts it to, as it sets it down. 0 leaves it level."))  # fmt: skip
     sides: int = Field(6, ge=1, le=20, description="Broad sides of each stone that are tried.")
     turns: int = Field(12, ge=1, le=36, description=(
         "Turns about the vertical of each side, from the one in which its length lies along the "
@@ -85,13 +90,19 @@ class GeneratorSettings(Settings):
     rested: int = Field(1000, ge=0, description=(
         "Best places of each lot at which the stone rolls to rest on the height map, by itself and "
         "under noise, before it is ranked again and checked; 0 checks it as it first touches. Of "
-        "`kept` attitudes the place stays as it is, and is left out if the stone tilts too far."
+        "`kept` attitudes without `lean` the place stays as it is, and is left out if the stone "
+        "tilts too far."
     ))  # fmt: skip
 
     @property
     def tilts(self) -> bool:
         """Return whether stones tilt to rest on the height map before they are checked."""
-        return self.attitude == "any" and self.rested > 0
+        return self.rested > 0 and self.most_lean_rad > 0
+
+    @property
+    def most_lean_rad(self) -> float:
+        """Return how far a stone may tilt to rest from the attitude in which it is tried [rad]."""
+        return OTHER_SIDE_RAD if self.attitude == "any" else self.lean
 
 
 class ScorerSettings(Settings):

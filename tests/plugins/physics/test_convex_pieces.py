@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from executive_plugins.physics.convex_pieces import convex_pieces
+from executive_plugins.physics.convex_pieces import convex_pieces, is_convex
 from executive_plugins.physics.even_directions import even_directions
 from scipy.spatial import ConvexHull, Delaunay
 
 from executive.arrays import Float, Int
 from executive.geometry.hull_mesh import hull_mesh
+from executive.messages.solid_stone import SolidStone
 
 
 def ball(count: int = 400) -> tuple[Float, Int]:
@@ -74,3 +75,11 @@ def test_a_patch_through_the_centroid_bounds_no_volume() -> None:
     assert pieces
     for piece in pieces:
         assert ConvexHull(piece).volume > 0
+
+
+@pytest.mark.parametrize(("waist", "expected"), [(0.0, True), (0.1, False), (0.3, False)])
+def test_a_ball_is_convex_until_its_belt_is_drawn_in(waist: float, expected: bool) -> None:
+    vertices, triangles = ball()
+    drawn_in = 1 - waist * np.exp(-((vertices[:, 2] / 0.25) ** 2))
+    stone = SolidStone.of_mesh("ball", vertices * drawn_in[:, None], triangles, 2600.0)
+    assert is_convex(stone.vertices, stone.volume_m3) is expected

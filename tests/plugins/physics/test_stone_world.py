@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from executive_plugins.physics.even_directions import even_directions
 from executive_plugins.physics.stone_world import StoneWorld, WorldRules, world_of
 
 from executive.arrays import Float
@@ -165,3 +166,17 @@ def test_a_round_stone_rolls_down_a_gentle_slope_unless_the_ground_gives_way(
     world = StoneWorld(slope, [wheel], None, rules)
     world.step(500)
     assert (float(np.abs(places(world, 1)[0, 0])) > 0.2) is rolls
+
+
+def test_a_convex_stone_is_one_piece_where_that_is_asked_for() -> None:
+    def pieces(stone: SolidStone, is_convex_whole: bool) -> int:
+        rules = WorldRules(pieces=10, is_convex_whole=is_convex_whole)
+        there = StandingStone(stone, pose(t=np.array([0.0, 0.0, 1.0])))
+        return int(StoneWorld(LEVEL, [there], None, rules).model.ngeom) - 1  # without the ground
+
+    corners, triangles = hull_mesh(even_directions(200))
+    dented = corners * np.where(corners[:, 2:] > 0.8, 0.7, 1.0)
+    ball = SolidStone.of_mesh("ball", corners, triangles, 2600.0)
+    hollow = SolidStone.of_mesh("hollow", dented, triangles, 2600.0)
+    assert (pieces(ball, True), pieces(ball, False)) == (1, 10)
+    assert (pieces(hollow, True), pieces(hollow, False)) == (10, 10)

@@ -88,3 +88,11 @@ def test_a_stone_with_nothing_below_is_told_from_one_that_stays() -> None:
     shapes = OtherShapes(built, [built.standing[0].T_map_stone], STONE, settings)
     assert shapes.moves(pose(t=np.array([0.5, 0.0, TOP_M + 0.15]))) > settings.reseated
     assert shapes.moves(pose(t=np.array([-0.5, 0.0, TOP_M + 0.15]))) < 0.005
+
+
+def test_stones_that_are_all_convex_have_one_shape_and_stay() -> None:
+    base = StandingStone(box("base", 2.0, 0.8, TOP_M), pose(t=np.array([0.0, 0.0, TOP_M / 2])))
+    built, there = bare().with_standing(base), pose(t=np.array([0.0, 0.0, TOP_M + 0.15]))
+    convex = OtherShapes(built, [base.T_map_stone], STONE, CheckSettings())
+    in_the_air = pose(t=np.array([0.0, 0.0, 3.0]))
+    assert (convex.moves(there), convex.moves(in_the_air)) == (0.0, 0.0)  # nothing is tried
