@@ -24,7 +24,7 @@ from executive_plugins.placing.dry_stone.parts import (
 from executive_plugins.placing.dry_stone.rasters import WallTop
 from executive_plugins.placing.dry_stone.refusals import Refusals
 from executive_plugins.placing.dry_stone.rolling import STEPS_RAD, compile_rolling
-from executive_plugins.placing.dry_stone.search import Search, key_of
+from executive_plugins.placing.dry_stone.search import Search, key_of, until
 from executive_plugins.placing.dry_stone.settings import DryStoneSettings
 from executive_plugins.placing.dry_stone.spread import spread
 from executive_plugins.placing.dry_stone.stability import (
@@ -100,6 +100,7 @@ class DryStone(StructurePlanner):
         if reason := refused.why_none(len(inventory), len(usable)):
             return refused.without_target(reason, self._detail(reason))
         again = FailedPlaces(built, self._settings)
+        may_go_on = until(self._settings.budget, may_go_on)
         limit = self._most_rad
         search = Search(self._generator, built, usable, rng, may_go_on, refused, limit, again)
         stones = self._tried_first(usable, rng)

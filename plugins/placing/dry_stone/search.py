@@ -1,5 +1,6 @@
 """What one search for the next stone has found so far."""
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -63,3 +64,11 @@ class Search:
 def key_of(place: Place) -> tuple[str, bytes]:
     """Return what tells a stone at a place from all others."""
     return place.stone.name, place.T_map_stone.tobytes()
+
+
+def until(budget_s: float | None, may_go_on: MayGoOn) -> MayGoOn:
+    """Return what says the same for a time from now on [s], and False after that."""
+    if budget_s is None:
+        return may_go_on
+    end_s = time.monotonic() + budget_s
+    return lambda: time.monotonic() < end_s and may_go_on()

@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from executive.config import Kilograms, Meters, Radians, Settings
+from executive.config import Kilograms, Meters, Radians, Seconds, Settings
 from executive.interfaces.declaration import PluginSettings
 
 OTHER_SIDE_RAD = 0.35  # a stone that tilts farther than this comes to rest on another side
@@ -190,3 +190,7 @@ class DryStoneSettings(PluginSettings):
     targets: int = Field(1, ge=1, le=10, description="Targets after which the search ends.")
     fills: Literal["largest", "any"] = Field("largest", description=(
         "Which stones are tried first: the largest that are left, or any."))  # fmt: skip
+    budget: Seconds | None = Field(None, gt=0, description=(
+        "Time after which the search ends at its best answer so far [s]; without it, it goes on. "
+        "Only within it is the answer the same on all computers. A mission ends with a fault where "
+        "a search takes 120 s."))  # fmt: skip

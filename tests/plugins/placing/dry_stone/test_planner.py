@@ -242,6 +242,11 @@ def test_no_time_is_told() -> None:
     assert planner().propose(bare(), boxes(), rng(), lambda: False).reason == "out_of_time"
 
 
+@pytest.mark.parametrize(("budget_s", "reason"), [(1e-6, "out_of_time"), (600.0, None)])
+def test_a_search_ends_with_its_own_budget(budget_s: float, reason: str | None) -> None:
+    assert planner(budget=budget_s).propose(bare(), boxes(), rng()).reason == reason
+
+
 def test_two_stones_of_one_name_are_refused() -> None:
     with pytest.raises(DataError, match="two stones"):
         planner().propose(bare(), (boxes()[0], boxes()[0]), rng())
