@@ -19,6 +19,7 @@ from executive.leaf.claims import Part
 from executive.leaf.follow import follow
 from executive.leaf.memory import OnResume
 from executive.leaf.outcome import Outcome, failed, succeeded
+from executive.leaf.raise_gripper import raise_gripper
 from executive.leaf.rest import come_to_rest
 from executive.leaf.steady_line import steady_line
 from executive.leaf.surroundings import surroundings
@@ -29,6 +30,8 @@ from executive.messages.hold import Hold
 from executive.messages.placement import Placement
 from executive.messages.request import MotionPlan, MoveRequest
 from executive.messages.trajectory import JointTrajectory
+
+_OFF_M = 0.05  # by which a stone is raised at least off what it has met
 
 
 class LowerUntilDownSettings(Settings):
@@ -92,7 +95,8 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
         """
         if moving := (yield from come_to_rest(self.context)):
             return failed(moving)
-        planned_m, weight = self._height_m(), self.context.weight()
+        began_m = planned_m = self._height_m()
+        weight = self.context.weight()
         if placement is not None:
             planned_m = placement.T_map_gripper[2, 3]
         least_kg = 0.0 if weight is None else self.settings.stands * weight.mass_kg
@@ -106,7 +110,7 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
             if left.mass_kg < least_kg:
                 if placement is not None:
                     self.context.record(StoneTouchedDown(hold.stone_id, above_m, left.mass_kg))
-                return self._stood(hold, above_m)
+                return (yield from self._stood(hold, above_m, began_m))
             if above_m - 0.5 * self.settings.step < -self.settings.below:
                 return failed(
                     f"stone {hold.stone_id} still hangs in the jaws with {left}, "
@@ -116,14 +120,22 @@ class LowerUntilDown(Action[LowerUntilDownSettings]):
             if not lowered.success:
                 return lowered
 
-    def _stood(self, hold: Hold, above_m: float) -> Outcome[None]:
-        """Judge a stone that the ground carries by how far that is above the planned release."""
-        if self.settings.early is not None and above_m > self.settings.early:
-            return failed(
-                f"stone {hold.stone_id} met something {above_m:.2f} m above the height of its "
-                f"release, more than {self.settings.early:g} m: it is not at its place"
-            )
-        return succeeded(reason=f"it stands {above_m:+.2f} m from the plan's height")
+    def _stood(
+        self, hold: Hold, above_m: float, began_m: float
+    ) -> Generator[Any, Any, Outcome[None]]:
+        """Judge a stone that is carried by how far that is above the planned release.
+
+        One that is not at its place is raised to the height at which this began.
+        """
+        if self.settings.early is None or above_m <= self.settings.early:
+            return succeeded(reason=f"it stands {above_m:+.2f} m from the plan's height")
+        by_m = max(began_m - self._height_m(), _OFF_M)
+        why = yield from raise_gripper(self.context, hold.stone_id, by_m)
+        told = f", and was not raised off it: {why}" if why else ""
+        return failed(
+            f"stone {hold.stone_id} met something {above_m:.2f} m above the height of its "
+            f"release, more than {self.settings.early:g} m: it is not at its place{told}"
+        )
 
     def _height_m(self) -> float:
         return float(self.context.gripper()[2, 3])

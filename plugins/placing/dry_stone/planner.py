@@ -165,7 +165,8 @@ class DryStone(StructurePlanner):
         usable = []
         for stone in inventory:
             longest, _, thinnest = stone.extents_m
-            if stone.mass_kg > self._settings.max_mass:
+            # What jaws hold already was chosen, and lifted, whatever it has turned out to weigh.
+            if stone.mass_kg > self._settings.max_mass and not stone.jaws:
                 refused.add(stone.name, "too_heavy")
             elif longest > self._settings.slenderest * thinnest:
                 refused.add(stone.name, "needle_or_slab")

@@ -46,6 +46,7 @@ def lowering(stage, world):
         weighed=True,
         jolted=lambda payload_kg: payload_kg,
         free_m=1.0,
+        up_m=1.0,
         is_placed=True,
         **settings,
     ):
@@ -58,8 +59,8 @@ def lowering(stage, world):
             return kinematics.gripper(arm.at())[2, 3] + offset_m
 
         def move(request):
-            """Plan by the boom alone, whose turn by some mrad moves the gripper down."""
-            if request.arrive_m > free_m:
+            """Plan by the boom alone, whose turn by some mrad moves the gripper down, or up."""
+            if request.arrive_m > free_m or request.leave_m > up_m:
                 return NO_WAY
             goal = minimize_scalar(
                 lambda turn: abs(
@@ -67,7 +68,7 @@ def lowering(stage, world):
                     + offset_m
                     - request.T_map_gripper[2, 3]
                 ),
-                bounds=(0.0, 0.2),
+                bounds=(-0.2, 0.2),
                 method="bounded",
             )
             position = request.start - np.linspace(0.0, goal.x, 20)[:, None] * BOOM
@@ -117,6 +118,20 @@ def test_what_is_met_high_above_the_plan_is_not_its_place(lowering, ground_m, st
     assert ended.status == status
     assert ("it is not at its place" in ended.reason) == (status == "FAILURE")
     assert isinstance(ended.events[0], StoneTouchedDown)
+
+
+def test_a_stone_that_is_not_at_its_place_hangs_free_again(lowering, world):
+    """Monitors take a stone that others carry for one that has fallen."""
+    ended = lowering(1.99, early=0.035)
+    assert ended.status == "FAILURE"
+    assert ended.reason.endswith("it is not at its place")
+    assert world.leaf_context.gripper()[2, 3] > 2.0 - 0.002  # where it began, or higher
+
+
+def test_a_stone_that_cannot_be_raised_again_is_told(lowering, world):
+    ended = lowering(1.99, early=0.035, up_m=0.0)
+    assert ended.status == "FAILURE"
+    assert "it is not at its place, and was not raised off it: no way up" in ended.reason
 
 
 def test_of_a_way_that_is_not_free_what_is_free_is_gone(lowering, world):

@@ -2,6 +2,7 @@
 
 import time
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -202,6 +203,14 @@ def test_a_scorer_from_outside_changes_the_choice() -> None:
 def test_what_cannot_be_used_is_refused_with_its_reason(stones, settings, reason) -> None:
     plan = planner(**settings).propose(bare(), stones, rng())
     assert (plan.targets, plan.reason) == ((), reason)
+
+
+def test_a_stone_that_jaws_hold_is_placed_however_heavy_it_has_turned_out() -> None:
+    (stone,) = boxes()[:1]
+    held = replace(stone, jaws=(np.array([[0.0, 0.0, 5.0]]),))
+    chosen = planner(max_mass=10.0)
+    assert chosen.propose(bare(), [stone], rng()).reason == "all_too_heavy"
+    assert chosen.propose(bare(), [held], rng()).reason is None
 
 
 def test_a_flat_natural_stone_is_used() -> None:
