@@ -27,7 +27,7 @@ _KNOWN = 0.015  # standard deviation of the hull's size along each axis, over it
 _SEEN_M, _SEEN_RAD = 0.01, np.radians(0.7)  # standard deviations of where a stone was seen
 # As trees/build_wall.yaml has it.
 SETTINGS = DryStoneSettings.model_validate({
-    "generator": {"attitude": "kept", "lean": "20 deg"},
+    "generator": {"attitude": "kept", "lean": "29 deg"},
     "check": {"tries": 24, "most_tilt": "6 deg"},
     "targets": 2,
 })  # fmt: skip
