@@ -5,6 +5,7 @@ import numpy as np
 from executive.arrays import Float
 from executive.geometry.convex import depth_inside, half_spaces
 from executive.geometry.hull_mesh import hull_mesh
+from executive.geometry.pose import inverse, transform
 from executive.machine.gripper import Gripper
 
 # By which jaws open at a place that has room for them. At the M545's tips it is 15 cm: half of it
@@ -69,16 +70,51 @@ def release_angles(gripper: Gripper, stone_gripper: Float, up_gripper: Float) ->
     return np.minimum(least_rad + RELEASE_RAD * np.array([0.0, 0.5, 1.0]), gripper.open_rad)
 
 
-def released_jaws(gripper: Gripper, stone_gripper: Float, up_gripper: Float) -> Float:
-    """Return points on the palm, and on jaws that let a stone go, in the gripper's frame, (N, 3).
+def angle_closed_on(gripper: Gripper, stone_gripper: Float) -> float:
+    """Return the widest jaw angle at which a jaw touches a stone: that at which they hold it [rad].
 
-    There is one in each cell of 5 cm that their surfaces pass. The arguments are those of
-    `release_angles`.
+    It is 0 where they meet without touching it. Of 15 holds of walls it was within 0.03 rad of the
+    angle that was measured; jaws whose tips are below a stone's widest part are closed by 0.05 to
+    0.5 rad more than the least angle of `release_angles`.
+
+    Args:
+        gripper: The gripper.
+        stone_gripper: The stone's surface in the gripper's frame [m], shape (N, 3).
+    """
+    faces = {
+        name: [half_spaces(shape.vertices) for shape in link.shapes]
+        for name, link in gripper.links.items()
+    }
+
+    def touches(angle_rad: float) -> bool:
+        for name, parts in faces.items():
+            points = transform(inverse(gripper.T_gripper_jaw(name, angle_rad)), stone_gripper)
+            if any((depth_inside(part, points) > 0.0).any() for part in parts):
+                return True
+        return False
+
+    touching, free = 0.0, gripper.open_rad
+    if touches(free):
+        return free
+    if not touches(touching):
+        return touching
+    while free - touching > _STEP_RAD:
+        middle = (touching + free) / 2
+        touching, free = (middle, free) if touches(middle) else (touching, middle)
+    return free
+
+
+def released_jaws(gripper: Gripper, stone_gripper: Float, up_gripper: Float) -> Float:
+    """Return points on the palm, and on jaws that hold a stone and let it go, shape (N, 3) [m].
+
+    They are in the gripper's frame, one in each cell of 5 cm that their surfaces pass. The
+    arguments are those of `release_angles`.
     """
     from executive.geometry.voxels import first_in_cells  # slow to import: a mission needs none
 
-    angles = release_angles(gripper, stone_gripper, up_gripper)
-    parts = [hull for angle in angles[[0, -1]] for hull in _jaws(gripper, float(angle))]
+    least_rad, _, widest_rad = release_angles(gripper, stone_gripper, up_gripper)
+    angles = min(angle_closed_on(gripper, stone_gripper), least_rad), least_rad, widest_rad
+    parts = [hull for angle in angles for hull in _jaws(gripper, float(angle))]
     parts += [shape.vertices for shape in gripper.palm_shapes]
     points = np.concatenate([_on_surface(hull) for hull in parts])
     return points[np.sort(first_in_cells(points, _APART_M))]

@@ -11,7 +11,7 @@ from executive.geometry.polygon import Box, contains, rectangle
 from executive.geometry.pose import inverse, transform
 from executive.geometry.voxels import first_in_cells
 from executive.machine.gripper import Gripper
-from executive.machine.jaw_clearance import ROOM_M, release_angles
+from executive.machine.jaw_clearance import ROOM_M, angle_closed_on, release_angles
 from executive.messages.placement import Slot
 
 _IN_GROUND_M = 0.02  # a ground point deeper than this in the gripper is a collision
@@ -120,8 +120,13 @@ class SlotSurroundings:
         else:
             apart_m, opened = max(self._apart_m, ROOM_M), angles[:2]
             lowered = 0.0, 0.0, self._lowered_m
-            neighbours = self._neighbours + lowered
-            if self._depth_m(transform(T_gripper_map, self._bed + lowered), opened) > -ROOM_M:
+            neighbours, bed = self._neighbours + lowered, self._bed + lowered
+            if self._depth_m(transform(T_gripper_map, bed), opened) > -ROOM_M:
+                return False
+            # The jaws come down closed on the stone, with their tips below its widest part.
+            held = np.array([min(angle_closed_on(self._gripper, stone), angles[0])])
+            others = transform(T_gripper_map, np.vstack([neighbours, bed]))
+            if self._depth_m(others, held) > -ROOM_M:
                 return False
         if self._depth_m(transform(T_gripper_map, neighbours), opened) > -apart_m:
             return False

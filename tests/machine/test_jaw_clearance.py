@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from executive.arrays import Float
+from executive.geometry.convex import depth_inside, half_spaces
 from executive.machine.gripper import Gripper
 from executive.machine.jaw_clearance import (
     RELEASE_RAD,
     angle_beside,
+    angle_closed_on,
     angle_free_of,
     can_open,
     release_angles,
@@ -136,3 +138,36 @@ def test_a_stone_at_the_end_or_halfway_of_the_opening_is_in_the_way(gripper: Gri
         tip = gripper.tips(at_rad).max(axis=0)
         stone = tip + np.random.default_rng(0).uniform(-0.03, 0.03, (50, 3))
         assert not can_open(gripper, stone, 0.3, gripper.open_rad, ROOM_M)
+
+
+@pytest.mark.parametrize("half_m", [0.2, 0.4, 0.6])
+def test_jaws_close_until_they_touch_the_stone(gripper: Gripper, half_m: float) -> None:
+    def touches(angle_rad: float) -> bool:
+        parts = gripper.hulls(angle_rad)
+        hulls = [half_spaces(corners) for name in gripper.links for corners in parts[name]]
+        return any((depth_inside(faces, stone) > 0.0).any() for faces in hulls)
+
+    stone = bar(1.0, half_m, -half_m)
+    angle_rad = angle_closed_on(gripper, stone)
+    assert 0.0 < angle_rad < gripper.open_rad
+    assert not touches(angle_rad)
+    assert touches(angle_rad - STEP_RAD)
+
+
+def test_jaws_meet_without_a_stone_and_stay_open_on_a_wide_one(gripper: Gripper) -> None:
+    assert angle_closed_on(gripper, bar(3.0, 0.2, -0.2)) == 0.0
+    assert angle_closed_on(gripper, bar(0.7, 1.5, -1.5)) == gripper.open_rad
+
+
+def test_tips_that_have_closed_below_a_stone_are_part_of_the_jaws_around_it(
+    gripper: Gripper,
+) -> None:
+    """They hold it by its lower part; from where they pass its widest part on they let it go."""
+    stone = np.vstack([bar(0.7, 0.5, -0.5), bar(1.1, 0.2, -0.2)])
+    held_rad = angle_closed_on(gripper, stone)
+    least_rad = float(release_angles(gripper, stone, UP)[0])
+    assert held_rad < least_rad - 0.1
+    points = released_jaws(gripper, stone, UP)
+    for angle_rad in (held_rad, least_rad):
+        away = [np.linalg.norm(points - tip, axis=1).min() for tip in gripper.tips(angle_rad)]
+        assert max(away) < 0.08

@@ -8,8 +8,8 @@ from executive_plugins.placing.slot_surroundings import SlotFoot, SlotSurroundin
 
 from executive.arrays import Float
 from executive.geometry.polygon import Box
-from executive.geometry.pose import pose, transform
-from executive.machine.jaw_clearance import RELEASE_RAD
+from executive.geometry.pose import inverse, pose, transform
+from executive.machine.jaw_clearance import RELEASE_RAD, angle_closed_on
 from executive.machine.machine import Machine
 from executive.messages.placement import Slot
 
@@ -152,6 +152,27 @@ def test_jaws_keep_five_centimetres_above_neighbours_where_the_stone_is_to_rest(
         SlotFoot.of(slot, 0.5, None, drop_m),
     )
     assert around.is_free(T_MAP_GRIPPER, STONE) == is_free
+
+
+@pytest.mark.parametrize(("below_m", "is_free"), [(0.02, False), (0.10, True)])
+def test_tips_that_hold_a_stone_below_its_widest_part_come_down_there(
+    machine: Machine, site: tuple, below_m: float, is_free: bool
+) -> None:
+    """What they pass once they have opened is not all that they could meet on their way down."""
+    y_m = np.linspace(-1.0, 1.0, 41)
+    wide, narrow = T_MAP_GRIPPER[2, 3] - 0.7, T_MAP_GRIPPER[2, 3] - 1.1
+    stone = np.vstack(
+        [
+            np.column_stack([np.zeros(41), 0.5 * y_m, np.full(41, wide)]),
+            np.column_stack([np.zeros(41), 0.2 * y_m, np.full(41, narrow)]),
+        ]
+    )
+    held_rad = angle_closed_on(machine.gripper, transform(inverse(T_MAP_GRIPPER), stone))
+    tip = transform(T_MAP_GRIPPER, machine.gripper.tips(held_rad))[0]
+    cloud = np.vstack([site[1](4.0), tip - (0.0, 0.0, below_m)])
+    slot = Slot(1, np.zeros(3), None, 0.0, np.eye(4))
+    around = SlotSurroundings(machine.gripper, cloud, SlotFoot.of(slot, 0.5, None))
+    assert around.is_free(T_MAP_GRIPPER, stone) == is_free
 
 
 def test_stones_under_one_that_rests_on_them_are_no_ground(machine: Machine, site: tuple) -> None:
