@@ -73,12 +73,12 @@ def test_a_run_starts_its_machine_and_ends_it(tmp_path):
 def test_a_machine_that_cannot_be_built_is_a_wrong_input(tmp_path):
     line = words(tmp_path, "2 s")
     text = (tmp_path / "mission.yaml").read_text()
-    crowded = "{plugin: mujoco, site: {stones: {count: 4, placement: {gap_m: 9}}}}"
-    changed = text.replace("{plugin: kinematic, model: m545, noise: true}", crowded)
+    nowhere = "{plugin: mujoco, site: {stones: {placement: {min_radius_m: 9}}}}"
+    changed = text.replace("{plugin: kinematic, model: m545, noise: true}", nowhere)
     (tmp_path / "mission.yaml").write_text(changed)
     done = ended(tmp_path, *line, "--real-time")
     assert done.returncode == 2
-    assert "stones" in done.stderr
+    assert "min_radius_m 9 is beyond max_radius_m" in done.stderr
     assert "Traceback" not in done.stderr
 
 
