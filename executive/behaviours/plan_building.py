@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from executive.config import Meters, Settings
-from executive.events.site import BuildingEnded, BuildingPlanned
+from executive.events.site import BuildingEnded, BuildingPlanned, PlaceNotFound
 from executive.geometry.pose import inverse, transform
 from executive.interfaces.building import StructurePlanner
 from executive.interfaces.mapping import Mapper
@@ -147,6 +147,11 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         if plan.targets:
             return self._next(structure, plan, free, solids, standing)
         if for_stone is not None:
+            is_held = free[0].state is StoneState.HELD
+            refused = dict(plan.refused)
+            self.context.record(
+                PlaceNotFound(structure.name, for_stone, is_held, str(plan.reason), refused)
+            )
             return failed(f"stone {for_stone} has no other place: {_why(plan)}", is_final=True)
         told = plan.detail or "no place holds any stone"
         return self._over(structure, str(plan.reason), told, standing, plan)

@@ -192,6 +192,25 @@ class BuildingEnded(Event):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PlaceNotFound(Event):
+    """A structure as it stands has no place for one stone; it may have one later.
+
+    Attributes:
+        structure: Name of the structure.
+        stone: Id of the stone.
+        is_held: Whether the jaws hold it: places are those in which they can let it go, too.
+        reason: Why: `nothing_fits`, `out_of_time`, `all_too_heavy` and so on.
+        refused: Number of its places that were passed over, by reason.
+    """
+
+    structure: str
+    stone: int
+    is_held: bool
+    reason: str
+    refused: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RoundBegun(Event):
     """A new round of relocations began: these placed stones may be moved again."""
 

@@ -32,9 +32,18 @@ def _of_site(event: Event) -> str:
             return "; ".join([f"{len(event.stones)} stones found{others}", *event.warnings])
         case site.SlotsFound():
             return f"{len(event.slots)} free places"
+    return _of_building(event)
+
+
+def _of_building(event: Event) -> str:
+    """Return what is planned for a structure."""
+    match event:
         case site.BuildingPlanned():
             on = f" on {len(event.standing)} that stand" if event.standing else ""
             return f"{event.structure}: stone {event.stone} is next{on}"
+        case site.PlaceNotFound():
+            held = ", as the jaws hold it" if event.is_held else ""
+            return f"{event.structure}: no place for stone {event.stone}{held}, {event.reason}"
         case site.BuildingEnded():
             told = f": {event.detail}" if event.detail else ""
             return f"{event.structure} ends with {len(event.standing)} stones, {event.reason}{told}"

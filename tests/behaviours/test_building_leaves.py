@@ -8,7 +8,7 @@ from executive.behaviours.describe_structure import DescribeStructure
 from executive.behaviours.find_own_place import FindOwnPlace
 from executive.behaviours.keep_fitting_grasps import KeepFittingGrasps
 from executive.behaviours.plan_building import PlanBuilding
-from executive.events.site import BuildingEnded, BuildingPlanned
+from executive.events.site import BuildingEnded, BuildingPlanned, PlaceNotFound
 from executive.geometry.pose import inverse, pose, transform
 from executive.geometry.rotation import exp_so3
 from executive.interfaces.building import StructurePlanner
@@ -262,8 +262,12 @@ def test_an_end_has_its_reason_and_figures(stage, database):
 def test_one_stone_without_a_place_does_not_end_the_structure(stage, database):
     stand, planner = on_stage(stage, database, NOTHING)
     ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=2)
-    assert (ended.status, ended.outputs, ended.events) == ("FAILURE", {}, [])
+    assert (ended.status, ended.outputs) == ("FAILURE", {})
     assert ended.is_final
+    (event,) = ended.events
+    assert isinstance(event, PlaceNotFound)
+    assert (event.stone, event.is_held, event.reason) == (2, False, "nothing_fits")
+    assert event.refused == REFUSED
     told = "stone 2 has no other place: nothing_fits; 3 × slides_away, 4 × tilts"
     assert ended.reason == told
     assert [one.name for one in planner.calls("propose")[0]["inventory"]] == ["2"]

@@ -30,6 +30,10 @@ def ended(detail: str) -> site.BuildingEnded:
     return site.BuildingEnded("wall", "complete", detail, (1, 2), {})
 
 
+def no_place(is_held: bool) -> site.PlaceNotFound:
+    return site.PlaceNotFound("wall", 5, is_held, "nothing_fits", {"tilts": 9})
+
+
 def realigned(accepted: bool, reason: str = "") -> stone.StoneRealigned:
     return stone.StoneRealigned(4, accepted, "alignment", reason, 0.01, 0.9, T)
 
@@ -62,6 +66,8 @@ LINES = {
     "wall: stone 5 is next on 2 that stand": planned(8, 9),
     "wall ends with 2 stones, complete": ended(""),
     "wall ends with 2 stones, complete: as drawn": ended("as drawn"),
+    "wall: no place for stone 5, nothing_fits": no_place(False),
+    "wall: no place for stone 5, as the jaws hold it, nothing_fits": no_place(True),
     "drives 8.2 m to (3.0, -7.1)": driving.DriveStarted(HERE, 8.21),
     "stands 0.12 m off the goal": driving.DriveEnded(HERE, 0.123, 0.5, 9.0),
     "stone 4: moving to a grasp": stone.AttemptStarted(4, HERE, GRASP, ()),

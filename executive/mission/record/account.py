@@ -16,7 +16,14 @@ from executive.events.node import (
     NodeRetried,
     NodeStarted,
 )
-from executive.events.site import SiteScanned, SiteSegmented, SlotsFound, SurveyRegistered
+from executive.events.site import (
+    BuildingPlanned,
+    PlaceNotFound,
+    SiteScanned,
+    SiteSegmented,
+    SlotsFound,
+    SurveyRegistered,
+)
 from executive.events.stone import (
     AttemptStarted,
     GraspsPlanned,
@@ -32,6 +39,9 @@ from executive.journal import Entry
 from executive.messages.verdict import Trouble
 from executive.mission.picks import Pick, Picks
 from executive.mission.record.findings import Findings
+
+# Why a structure has no place for a stone while it stands as it does.
+_FOR_NOW = frozenset({"nothing_fits", "out_of_time"})
 
 
 class Account:
@@ -62,6 +72,7 @@ class Account:
         self._trouble: Trouble | None = None  # of the present hold
         self.given_up: set[int] = set()  # stones that were set aside after a final failure
         self._is_final = False  # something was not tried again since the newest plan
+        self._has_no_place = False  # the structure has none for the stone, as it stands
         self._known: set[int] = set()  # stones that were found on the site
         self._lost: set[int] = set()  # stones that were lost and not seen since
         self._accepted = 0
@@ -127,12 +138,14 @@ class Account:
         """Note stones that are set aside for a cause that repetition cannot change."""
         match event:
             case NodeNotRetried():
-                self._is_final = True
+                self._is_final = not self._has_no_place
+            case PlaceNotFound():
+                self._has_no_place = event.reason in _FOR_NOW
             case StoneSetAside():
                 self.given_up |= {event.stone} if self._is_final else set()
-                self._is_final = False
-            case GraspsPlanned() | SiteSegmented():
-                self._is_final = False
+                self._is_final = self._has_no_place = False
+            case GraspsPlanned() | SiteSegmented() | BuildingPlanned():
+                self._is_final = self._has_no_place = False
 
     def _count(self, trouble: Trouble) -> None:
         """Count one trouble a hold: a slip that ends in a fall is a fall."""

@@ -8,6 +8,7 @@ import pytest
 from executive.events.mission import Fault, MissionEnded, PluginFailed, VerdictGiven
 from executive.events.node import NodeEnded, NodeNotRetried, NodeResult, NodeRetried, NodeStarted
 from executive.events.site import (
+    PlaceNotFound,
     SiteScanned,
     SiteSegmented,
     SlotPlace,
@@ -188,6 +189,28 @@ def test_stones_off_unseen_and_unverified_are_counted_apart():
 
 def test_a_stone_that_is_set_aside_without_a_final_failure_is_not_given_up():
     assert account_of(StoneSetAside(1, "every attempt failed")).given_up == set()
+
+
+def no_place(reason):
+    return PlaceNotFound("wall", 1, True, reason, {})
+
+
+@pytest.mark.parametrize(
+    ("reason", "given_up"),
+    [("nothing_fits", set()), ("out_of_time", set()), ("all_too_heavy", {1})],
+)
+def test_a_stone_without_a_place_on_what_stands_is_not_given_up_and_one_too_heavy_is(
+    reason, given_up
+):
+    final = NodeNotRetried(1, 4, "no other place")
+    account = account_of(GraspsPlanned(1, 2, {}), no_place(reason), final, StoneSetAside(1, ""))
+    assert account.given_up == given_up
+
+
+def test_what_a_stone_had_no_place_for_says_nothing_of_the_next_one():
+    final = NodeNotRetried(1, 4, "")
+    later = [StoneSetAside(1, ""), final, StoneSetAside(2, "too heavy")]
+    assert account_of(no_place("nothing_fits"), final, *later).given_up == {2}
 
 
 @pytest.mark.parametrize("between", [GraspsPlanned(1, 2, {}), SiteSegmented((1,), (9,))])
