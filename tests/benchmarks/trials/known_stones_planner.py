@@ -28,7 +28,7 @@ _SEEN_M, _SEEN_RAD = 0.01, np.radians(0.7)  # standard deviations of where a sto
 # As trees/build_wall.yaml has it.
 SETTINGS = DryStoneSettings.model_validate({
     "generator": {"attitude": "kept", "lean": "29 deg"},
-    "check": {"tries": 24, "most_tilt": "6 deg"},
+    "check": {"load": 0.14, "most_tilt": "6 deg"},
     "targets": 2,
 })  # fmt: skip
 
