@@ -55,7 +55,7 @@ FILMS = {
         "placement_verified", True, (2.8, 0.0, 1.2), (12.5, 138.0, -26.0),
     ),
     "wall": Film(  # 25 times as fast
-        "build_wall", (), 2.0, "building_ended", False, (0.5, 3.2, 0.8), (12.5, 215.0, -24.0),
+        "build_wall", (), 2.0, "building_ended", False, (-1.8, 0.0, 0.8), (12.5, 40.0, -26.0),
     ),
 }  # fmt: skip
 
