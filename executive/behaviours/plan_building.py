@@ -147,12 +147,7 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         if plan.targets:
             return self._next(structure, plan, free, solids, standing)
         if for_stone is not None:
-            is_held = free[0].state is StoneState.HELD
-            refused = dict(plan.refused)
-            self.context.record(
-                PlaceNotFound(structure.name, for_stone, is_held, str(plan.reason), refused)
-            )
-            return failed(f"stone {for_stone} has no other place: {_why(plan)}", is_final=True)
+            return self._no_place(structure, free[0], plan)
         told = plan.detail or "no place holds any stone"
         return self._over(structure, str(plan.reason), told, standing, plan)
 
@@ -233,6 +228,15 @@ class PlanBuilding(Action[PlanBuildingSettings]):
         ended = BuildingEnded(structure.name, reason, detail, ids, refused, by_stone, structure)
         self.context.record(ended)
         return failed(f"{reason}: {detail}", BuildingOver(reason))
+
+    def _no_place(
+        self, structure: Structure, stone: Stone, plan: BuildPlan
+    ) -> Outcome[BuildingStep | BuildingOver]:
+        """Return that one stone has no place, and tell it."""
+        is_held, refused = stone.state is StoneState.HELD, dict(plan.refused)
+        told = PlaceNotFound(structure.name, stone.id, is_held, str(plan.reason), refused)
+        self.context.record(told)
+        return failed(f"stone {stone.id} has no other place: {_why(plan)}", is_final=True)
 
     def _next(
         self,

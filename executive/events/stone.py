@@ -310,7 +310,7 @@ class StoneLost(Event):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoneSetAside(Event):
-    """A stone was given up: it stays where it is and is not attempted again."""
+    """A stone was set aside: it stays where it is, unless `TakeUpAgain` takes it up later."""
 
     stone: int
     reason: str
