@@ -305,6 +305,14 @@ def test_a_stone_in_the_jaws_is_planned_in_the_attitude_in_which_it_lay(stage, d
     np.testing.assert_allclose(slot.T_map_object[:3, :3], lying.T_map_object[:3, :3], atol=1e-6)
 
 
+def test_a_stone_in_the_jaws_without_a_place_is_told_as_held(stage, database):
+    database.grasp(1, pose(), 2.0)
+    stand, _ = on_stage(stage, database, NOTHING)
+    ended = stand.tick(PlanBuilding, structure=WALL, segmentation=SITE, for_stone=1)
+    (event,) = ended.events
+    assert (event.stone, event.is_held) == (1, True)
+
+
 def test_a_stone_in_the_jaws_is_no_choice_unless_it_is_asked_for(stage, database):
     database.grasp(1, pose(), 2.0)
     stand, planner = on_stage(stage, database, NOTHING)
